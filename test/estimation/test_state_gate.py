@@ -45,6 +45,21 @@ def test_duplicates_and_what_comes_out_of_order_are_dropped(gate):
     assert judged(gate, [5]) == [Verdict.USE]
 
 
+def test_a_state_that_only_repeats_itself_tells_nothing_until_it_moves_on():
+    gate = StateGate(0.5)
+
+    def moving(stamp, place):
+        return Measurement(stamp, np.array([20.0 * place, 0.0, 0.0]), np.full(3, 20.0), 1.0, 0.1)
+
+    assert gate.judge(moving(10.0, 0.0), 10.0) is Verdict.USE
+    for stamp in np.arange(10.05, 12.0, TICK):
+        assert gate.judge(moving(stamp, 0.0), stamp) is Verdict.DROP
+    assert gate.newest.stamp == 10.0  # so that whoever watches over it says that the state is lost
+    assert gate.lost
+    gate.check_target(12.0, 11.9, 5.0)
+    assert gate.judge(moving(12.0, 2.0), 12.0) is Verdict.USE
+
+
 @pytest.mark.parametrize("away", [-100, 1000])
 def test_one_odd_stamp_is_doubted_and_flight_goes_on(gate, away):
     assert judged(gate, [away, 5, away + 7, away + 8, 6, 7]) == [

@@ -107,7 +107,7 @@ AIRSPEED, HEADING = 0, 1  # indices of the sensors
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
     recent=3, moved=1, reading=1, stood=1, gained=1, speed=1, heading=1, rough=2, own=2,
-    drifted=1, doubts=2,
+    drifted=2, doubts=2,
 )  # fmt: skip
 
 
@@ -428,10 +428,9 @@ def _compared(
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
-    drifted = (1.0 - elapsed / CHANGES) * known.drifted + own[AIRSPEED]
-    drifted = ca.if_else(fresh[AIRSPEED], 0.0, drifted)
+    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + own)
     high_low = ca.vertcat(1.0, -1.0)
-    doubts = ca.fmin(high_low * now[AIRSPEED], high_low * drifted) - DOUBT
+    doubts = ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT
     doubts *= weight[AIRSPEED] >= PRIOR_TIME + LASTING
     # It goes once the residual has gone: what has changed fades, and gusts may hide it for a while.
     fading = ca.fmax(high_low * lasting[AIRSPEED], known.doubts * (1.0 - elapsed / LASTING))
@@ -449,7 +448,9 @@ def _compared(
             usual = ca.fmax(usual, lately)
         most = ca.fmax(LEAST_JUMP + usual, DOMINANCE * ca.fabs(jumps[other]))
         least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
-        least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
+        least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
+        if which == AIRSPEED:  # a heading is judged by a wind that does not know it
+            least += changes
         reason = reasons[which]
         free = ca.logic_and(reason == CODE[USED], reasons[1 - which] == CODE[USED])
         jumped, by_sensor = ca.fabs(jumps[its]) > most, ca.sign(jumps[its]) * owned[which]
@@ -459,9 +460,9 @@ def _compared(
         jumped = ca.logic_and(jumped, by_sensor > OWN_SHARE * ca.fabs(jumps[its]))
         off = ca.fabs(lasting[its]) > least
         # A bias from the start has been found by then, and is none of this.
-        drifts = ca.sign(lasting[its]) * drifted > OWN_SHARE * ca.fabs(lasting[its])
-        drifts *= weight[AIRSPEED] >= COMPARED
-        off = off * drifts if which == AIRSPEED else ca.SX(0.0)
+        drifts = ca.sign(lasting[its]) * drifted[which] > OWN_SHARE * ca.fabs(lasting[its])
+        drifts *= weight[which] >= (COMPARED if which == AIRSPEED else PRIOR_TIME + LASTING)
+        off *= drifts if which == AIRSPEED else drifts * turn_told
         found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
         agrees = ca.fabs(now[its]) < AGREEING * ca.fmin(most, least)
         if which == AIRSPEED:

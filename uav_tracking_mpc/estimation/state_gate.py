@@ -37,7 +37,7 @@ class Verdict(Enum):
     """What to do with a measurement."""
 
     USE = "use"
-    DROP = "drop"  # a duplicate, or out of order: nothing to report
+    DROP = "drop"  # a duplicate, a repetition, or out of order: nothing to report
     DOUBT = "doubt"  # an outlier: not used unless the next ones agree
     RESTART = "restart"  # time has gone back, or the vehicle is elsewhere: start anew
 
@@ -112,6 +112,9 @@ class StateGate:
         step, jump = _change(newest, measurement, self._stood)
         if -self.timeout <= step <= 0.0:
             return Verdict.DROP
+        if _repeats(newest, measurement):
+            self.lost = self.lost or step > self.timeout
+            return Verdict.DROP
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
         moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
         # A gap that a clock has seen as well is one of the messages, not of the stamps. Simulated
@@ -170,6 +173,17 @@ def _change(
         return step, 0.0
     x, y, z = (after.position - before.position - flown).tolist()
     return step, math.sqrt(x * x + y * y + z * z)
+
+
+def _repeats(before: Measurement, after: Measurement) -> bool:
+    """Whether nothing has changed but the stamp, though the aircraft moves: nobody measures."""
+    vectors = "position", "ground_velocity"
+    return (
+        before.heading == after.heading
+        and before.path_angle == after.path_angle
+        and all(np.array_equal(getattr(before, name), getattr(after, name)) for name in vectors)
+        and bool(after.ground_velocity.any())
+    )
 
 
 def _explained(measurement: Measurement, step: float) -> float:

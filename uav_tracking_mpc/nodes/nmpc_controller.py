@@ -397,7 +397,7 @@ class NmpcController(ManagedNode):
             self.report.stands()
             return
         words = "vehicle state is lost: nothing" if math.isfinite(self._waiting) else "nothing"
-        why = "the own process stood still" if stopped else "its sender is late or gone"
+        why = "the own process stood still" if stopped else "its sender is late, gone or stuck"
         self.controller.fall_silent(f"{words} usable comes on {ODOMETRY.name}: {why}")
         self.report.tell()
 

@@ -129,6 +129,32 @@ def test_a_heading_that_jumps_is_named_whatever_tells_the_turn(told, bias, direc
 
 
 @pytest.mark.parametrize(
+    ("plant", "rate", "gusts"),
+    [
+        ("vehicle", 1.0, 15.4),
+        ("jsbsim", -2.0, 0.0),
+        pytest.param("vehicle", 0.2, 0.0, marks=LONG),
+        pytest.param("jsbsim", 1.0, 15.4, marks=LONG),
+    ],
+)
+def test_a_heading_that_drifts_is_left_out(plant, rate, gusts):
+    """By so many deg/s: the wind seemed to turn with it, and the orbit was lost by 140 to 500 m."""
+    drift = tuple(
+        (60.0 + time, f"uav_simulator.heading_bias={math.radians(rate * time)}")
+        for time in np.arange(0.0, 75.0, 0.5)
+    )
+    overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    overrides += [f"uav_simulator.gust_intensity={gusts}", "nmpc_controller.solve_time_max=10.0"]
+    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=drift)
+    loop = ClosedLoop(config)
+    while loop.time < 150.0:
+        loop.tick()
+    log = loop.log(loop.time)
+    assert [(each.sensor, each.state) for each in log.sensors] == [("heading", "off")]
+    assert np.abs(log.error[log.time > 60.0, 0]).max() < 9.0
+
+
+@pytest.mark.parametrize(
     ("plant", "wrong"),
     [
         ("vehicle", "velocity_gain=1.5"),
