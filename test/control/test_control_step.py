@@ -25,6 +25,7 @@ from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
+from uav_tracking_mpc.estimation.state_gate import REPEATING
 from uav_tracking_mpc.laws import GUIDANCE_LAW, GuidanceLaw
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -37,6 +38,7 @@ def measured(time, position=(300.0, 0.0, 120.0), heading=-np.pi / 2.0, wind=STIL
     """On the clockwise orbit of the small aircraft, or elsewhere."""
     position = np.array(position, dtype=float)
     air = 22.0 * np.array([np.cos(heading), np.sin(heading), 0.0])
+    position = position + 1e-9 * time  # what stays the same to the last bit is not measured
     return Measurement(time, position, air + wind, heading, 0.0, **{"airspeed": 22.0, **more})
 
 
@@ -104,6 +106,26 @@ def test_one_stamp_that_is_ahead_does_not_blind_the_track(constant):
         constant.see_target(99 * TICK + 4.8, STILL)
     constant.see_target(100 * TICK, STILL)
     assert constant.navigator.target.time == 100 * TICK
+
+
+def test_while_a_state_only_repeats_itself_the_latest_plan_is_flown_on_and_then_it_is_lost(flying):
+    hanging, modes = measured(0.1), []
+    for tick in range(100):
+        stamp = 0.1 + tick * TICK
+        flying.see_target(stamp, STILL)
+        command = flying.step(replace(hanging, stamp=stamp), stamp)
+        modes += [] if command is None else [(stamp, command.mode, command.reason)]
+    stamps, found, reasons = zip(*modes, strict=True)
+    planned = found.count(FallbackMode.OPTIMAL)
+    assert found == (FallbackMode.OPTIMAL,) * planned + (FallbackMode.EARLIER_PLAN,) * (
+        len(found) - planned
+    )
+    assert stamps[planned] == pytest.approx(0.1 + REPEATING, abs=0.11)
+    assert stamps[-1] == pytest.approx(
+        stamps[planned - 1] + flying.parameters.plan_age_max, abs=0.11
+    )
+    assert reasons[-1] == "the vehicle state repeats itself"
+    assert flying.step(replace(hanging, stamp=5.2, heading=1.0), 5.2).mode is FallbackMode.OPTIMAL
 
 
 def test_targets_go_on_while_no_state_comes(constant):

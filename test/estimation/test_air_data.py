@@ -75,8 +75,8 @@ def test_a_reading_that_stays_while_the_gyros_turn_is_stuck_until_it_changes(tur
         found.append(air.stuck)
     headings, velocities = np.array(found).T
     assert not velocities.any()
-    assert not headings[:275].any()
-    assert headings[350:399].all() == stuck == headings.any()
+    assert not headings[:235].any()
+    assert headings[280:399].all() == stuck == headings.any()
     assert not headings[402:].any()
 
 

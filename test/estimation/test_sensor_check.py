@@ -20,10 +20,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from uav_tracking_mpc.estimation.compass_check import COMPASS_CHECK, compass_checked, strayed
 from uav_tracking_mpc.estimation.sensor_check import (
     AIR_CHECK,
     AIRSPEED,
-    COMPASS_CHECK,
     CONTRARY_TIME,
     HEADING,
     JUMP,
@@ -34,7 +34,6 @@ from uav_tracking_mpc.estimation.sensor_check import (
     WAY_CHECK,
     WINDOW,
     air_checked,
-    compass_checked,
     initial_air_check,
     position_checked,
     repeated,
@@ -71,7 +70,7 @@ class AirCheck(Evaluated):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
             seen = heading, reading, present, level, air, deviation, settled, moved
-            seen = *seen, (rates[0], 1.0), rates[2]
+            seen = *seen, (rates[0], 1.0), rates[1], rates[2]
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
@@ -399,6 +398,19 @@ def test_a_noisy_heading_and_one_that_is_seldom_measured_jump_nowhere(step, nois
     times = step * np.arange(400)
     seen = 0.4 * np.sin(0.5 * times) + np.random.default_rng(1).normal(0.0, noise, 400)
     assert not any(compass_verdicts(seen, 0.0, step, deviation=noise)[1])
+
+
+@pytest.mark.parametrize("bias", [0.0, 0.02])
+def test_a_compass_that_drifts_strays_and_one_beside_gyros_with_a_bias_does_not(bias):
+    check, turn, drift = Evaluated(strayed, COMPASS_CHECK, np.zeros(5), [1, 1, 1]), 0.1, 0.0175
+    apart = []
+    for k in range(2000):
+        time = k * STEP
+        nose = turn * time + drift * max(time - 85.0, 0.0)
+        (angle,) = check(STEP * (k > 0), math.remainder(nose, math.tau), turn + bias)
+        apart.append(angle[0])
+    assert sum(apart[:1700]) == pytest.approx(0.0, abs=0.01)
+    assert sum(apart[1700:1900]) == pytest.approx(10.0 * drift, rel=0.1)
 
 
 @pytest.mark.parametrize("step", [STEP, 2.0])

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
-from uav_tracking_mpc.estimation.state_gate import AGREEING, StateGate, Verdict
+from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING, StateGate, Verdict
 
 TICK = 0.05  # s
 HERE = np.zeros(3)
@@ -47,17 +47,21 @@ def test_duplicates_and_what_comes_out_of_order_are_dropped(gate):
 
 def test_a_state_that_only_repeats_itself_tells_nothing_until_it_moves_on():
     gate = StateGate(0.5)
+    gate.answered = True
 
     def moving(stamp, place):
         return Measurement(stamp, np.array([20.0 * place, 0.0, 0.0]), np.full(3, 20.0), 1.0, 0.1)
 
-    assert gate.judge(moving(10.0, 0.0), 10.0) is Verdict.USE
-    for stamp in np.arange(10.05, 12.0, TICK):
-        assert gate.judge(moving(stamp, 0.0), stamp) is Verdict.DROP
-    assert gate.newest.stamp == 10.0  # so that whoever watches over it says that the state is lost
+    assert gate.judge(moving(9.95, -0.05), 9.95) is Verdict.USE
+    for stamp in np.arange(10.0, 15.0, TICK):
+        used = Verdict.USE if stamp < 10.0 + REPEATING - 1e-6 else Verdict.DROP
+        assert gate.judge(moving(stamp, 0.0), stamp) is used
+    assert gate.newest.stamp == pytest.approx(
+        10.0 + REPEATING, abs=1.1 * TICK
+    )  # who watches: the state is lost
     assert gate.lost
-    gate.check_target(12.0, 11.9, 5.0)
-    assert gate.judge(moving(12.0, 2.0), 12.0) is Verdict.USE
+    gate.check_target(15.0, 14.9, 5.0)
+    assert gate.judge(moving(15.0, 5.0), 15.0) is Verdict.USE
 
 
 @pytest.mark.parametrize("away", [-100, 1000])

@@ -171,7 +171,9 @@ def test_a_lost_state_says_who_is_late(slow):
     for _ in range(2):
         flight.wait(0.3)
         flight.fire()
-    assert modes.reason.endswith("nothing usable comes on uav/odometry: its sender is late, gone or stuck")
+    assert modes.reason.endswith(
+        "nothing usable comes on uav/odometry: its sender is late, gone or stuck"
+    )
 
 
 @pytest.fixture

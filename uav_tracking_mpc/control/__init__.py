@@ -15,7 +15,8 @@
 """The controller, from a measurement to a command, and its fallback modes.
 
 ===================  ===================================================================
-``controller``       the whole control step, and when a command is due
+``controller``       the whole control step
+``pace``             when a command is due, and whether the control rate is kept
 ``guidance``         what the parameters ask for: an optimal control problem, or a law
 ``fallback``         the modes from the optimal plan down to silence, and their choice
 ``command_shaping``  commands inside their limits, without jumps, and the test signal

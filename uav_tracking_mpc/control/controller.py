@@ -28,7 +28,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -54,6 +53,7 @@ from uav_tracking_mpc.control.guidance import (
     law_of,
     nearest_direction,
 )
+from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.watches import AirspeedMargin, OrbitShortfall
 from uav_tracking_mpc.dynamics.orbit import orbit_about
 from uav_tracking_mpc.dynamics.vehicle import Response
@@ -68,97 +68,6 @@ from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
 
 Inputs = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
-
-FORGIVEN = 0.01  # -, of the period by which a state may be early: rounding must not cost a state
-WINDOW = 2.0  # s of the stamps
-KEPT = 0.9  # -, share of the rate, below which it is missed
-KEPT_AGAIN = 0.95  # -, share of the rate, from which on it is kept again
-LASTING = 3.0  # s for which the other opinion must hold: longer than one lapse is in the window
-LATE = 1.5  # -, periods from command to command, beyond which one came late
-
-
-class Pace:
-    """Picks the states from which a command is computed, and counts whether the rate is kept.
-
-    Args:
-        rate: Commands per second wanted in [Hz]; no more can come than there are states.
-
-    Attributes:
-        rate: Commands per second wanted in [Hz].
-        missed: Periods in which a command was due and none was sent.
-        late: Commands that came late.
-    """
-
-    def __init__(self, rate: float) -> None:
-        self.rate = rate
-        self.missed = self.late = 0
-        self._due: float | None = None  # when the latest command was
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the latest seconds."""
-        self._states: deque[float] = deque()
-        self._commands: deque[float] = deque()
-        self._kept, self._agreed = True, -math.inf
-
-    def state(self, stamp: float) -> None:
-        """Count a state."""
-        _count(self._states, stamp)
-
-    def due(self, stamp: float) -> bool:
-        """Whether the state of this stamp in [s] is the one to answer.
-
-        Lost time is not made up for: after a gap, and where time went back, the pace starts anew.
-        """
-        period = 1.0 / self.rate
-        if self._due is None or stamp < self._due - period:
-            self._due = stamp
-            return True
-        due = self._due + period
-        if stamp < due - FORGIVEN * period:
-            return False
-        self._due = stamp if due + period <= stamp else due
-        return True
-
-    def sent(self, stamp: float) -> None:
-        """Count the command that answers a state; the opinion changes where the other one lasts."""
-        if self._commands and stamp < self._commands[-1]:
-            self.reset()
-        if self._commands:
-            periods = (stamp - self._commands[-1]) * self.rate
-            self.missed += max(0, round(periods) - 1)
-            self.late += periods > LATE
-        _count(self._commands, stamp)
-        rate = _rate(self._commands)
-        least = (KEPT if self._kept else KEPT_AGAIN) * self.rate
-        if rate is None or (rate >= least) == self._kept:
-            self._agreed = stamp
-        elif stamp - self._agreed >= LASTING:
-            self._kept, self._agreed = not self._kept, stamp
-
-    def complaint(self) -> str:
-        """How the rate is missed, in words; empty while it is kept or not yet known."""
-        commands, states = _rate(self._commands), _rate(self._states)
-        if self._kept or commands is None:
-            return ""
-        words = f"keeps {commands:.1f} Hz of the {self.rate:g} Hz asked for"
-        if states is not None and states < KEPT * self.rate:
-            words += f": states come at {states:.1f} Hz only"
-        return words
-
-
-def _count(times: deque[float], time: float) -> None:
-    if times and time < times[-1]:
-        times.clear()
-    times.append(time)
-    while times[0] < time - WINDOW:
-        times.popleft()
-
-
-def _rate(times: deque[float]) -> float | None:
-    if len(times) < 2 or times[-1] - times[0] < 0.5 * WINDOW:
-        return None
-    return (len(times) - 1) / (times[-1] - times[0])
 
 
 class Controller:
@@ -349,7 +258,7 @@ class Controller:
         begin, stamp = self._stopwatch(), measurement.stamp
         believed = self._believe(measurement, begin, now)
         if believed is None:
-            return None
+            return self._go_on(stamp) if self._gate.repeats else None
         measurement, vehicle = believed
         self.rate.state(stamp)
         target = self.navigator.target
@@ -383,7 +292,7 @@ class Controller:
         forced = math.hypot(*target.track.state[2, :2].tolist()) if known else 0.0
         flown = self.response.commanded(stamp, delay, command.inputs, command.step, forced)
         self.navigator.commanded(stamp, delay, flown, command.step)
-        self.flying = True
+        self.flying = self._gate.answered = True
         self.rate.sent(stamp)
         return command
 
@@ -426,6 +335,15 @@ class Controller:
         measurement, vehicle = self.navigator.air.see_state(measurement)
         self.response.see(measurement, vehicle, self.navigator.airspeed_known)
         return measurement, vehicle
+
+    def _go_on(self, stamp: float) -> Command | None:
+        """The latest plan, while states only repeat themselves; None once it is too old."""
+        left = self._plan.remaining(stamp, self.parameters.plan_age_max)
+        if left is None or not self.rate.due(stamp):
+            return None
+        self._select(Available(plan_left=True, trouble="the vehicle state repeats itself"))
+        self.rate.sent(stamp)
+        return self._command(stamp, left, self.navigator.airspeed, None, None)
 
     def _answer(self, measurement: Measurement, vehicle: NDArray[np.float64]) -> Command:
         """Command for a measurement that is believed and due."""

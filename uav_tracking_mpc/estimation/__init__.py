@@ -21,6 +21,7 @@
 ``flight_path``          path through the air, from the attitude of the body
 ``air_estimate``         aircraft and air: three filters, two of which judge a sensor each
 ``sensor_check``         which of position, ground velocity, airspeed and heading are believed
+``compass_check``        whether a compass turns as the gyros do
 ``sensor_health``        which sensors are used, and why one is not
 ``rate_aided``           angles and speeds, from themselves and rates whose biases are taken out
 ``wind_filter``          mean wind, gusts and sensor biases, from positions and velocities

@@ -33,7 +33,7 @@ SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehic
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
 # rad and s, for which an aircraft turns, by its gyros, while a sensor that is not stuck may repeat
 # itself: as one does that is read less often than states are sent
-STUCK_TURN, STUCK_TIME = 0.2, 1.5
+STUCK_TURN, STUCK_TIME = 0.04, 0.7
 
 
 class Repetition:
@@ -79,7 +79,8 @@ class AirData:
             and path angle as well, by which it is judged.
         wind_known: Whether it is known well enough for that.
         failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
-        nose_rate: How the nose turns in [rad/s], where it is the bank that tells how the path does.
+        nose: Where it points in [rad] and how it turns in [rad/s], where it is the bank that tells
+            how the path does.
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
         stuck: Whether the heading is stuck, and whether the ground velocity is.
@@ -109,7 +110,7 @@ class AirData:
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
-        self.nose_rate: float | None = None
+        self.nose: tuple[float, float] | None = None
         self.estimated = 0.0
 
     def see(self, stamp: float, airspeed: float) -> None:
@@ -156,7 +157,8 @@ class AirData:
         else:
             plausible = self._plausible(measurement, airspeed)
         of_path = self._path.of(measurement, plausible)
-        self.nose_rate = None if of_path is measurement else measurement.turn_rate
+        by_gyros = measurement.heading, measurement.turn_rate
+        self.nose = None if of_path is measurement else by_gyros
         if airspeed is not None:
             return of_path, of_path.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)

@@ -34,13 +34,19 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.air import gust_scales
-from uav_tracking_mpc.estimation import noise_meter, rate_aided, sensor_check, wind_filter
+from uav_tracking_mpc.estimation import (
+    compass_check,
+    noise_meter,
+    rate_aided,
+    sensor_check,
+    wind_filter,
+)
+from uav_tracking_mpc.estimation.compass_check import COMPASS_CHECK
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
 from uav_tracking_mpc.estimation.sensor_check import (
     AIR_CHECK,
     CODE,
-    COMPASS_CHECK,
     POSITION_CHECK,
     VELOCITY_CHECK,
     WAY_CHECK,
@@ -74,7 +80,7 @@ LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
-    rates=3, biased=3, turn=1, turn_told=1, stuck=2,
+    rates=3, biased=3, turn=1, turn_told=1, compass=1, stuck=2,
     noise=3, position_noise=3, velocity_noise=3, scales=3,
 )  # fmt: skip
 MEMORY = Layout(
@@ -202,7 +208,7 @@ class AirEstimate:
         rates: NDArray[np.float64],
         ground: float,
         missing: bool,
-        nose_rate: float | None = None,
+        nose: tuple[float, float] | None = None,
         stuck: tuple[bool, bool] = (False, False),
     ) -> AircraftInAir:
         """Take in a measurement.
@@ -213,7 +219,8 @@ class AirEstimate:
             rates: psi' and chi' as measured in [rad/s], v' as commanded in [m/s^2], shape (3,).
             ground: Height of the ground in ``map`` in [m], for the length of the gusts.
             missing: Whether there is no airspeed.
-            nose_rate: How the nose turns by the gyros in [rad/s], where psi' is not by them.
+            nose: Where it points by the compass in [rad] and how it turns by the gyros in [rad/s],
+                where psi and psi' are not by them.
             stuck: Whether the heading is stuck, and whether the ground velocity is.
 
         Raises:
@@ -228,8 +235,9 @@ class AirEstimate:
         seen.path_angle[0] = measurement.path_angle if missing else vehicle[4]
         seen.airspeed[0], seen.measured[0] = vehicle[5], not missing
         seen.rates[:], seen.stuck[:] = rates, stuck
-        told, bias = (rates[0], self._rate_bias[0]) if nose_rate is None else (nose_rate, 0.0)
-        seen.turn_told[0], seen.turn[0], seen.biased[:2] = told, told - bias, nose_rate is None
+        seen.biased[:2] = nose is None
+        seen.compass[0], seen.turn_told[0] = nose or (measurement.heading, rates[0])
+        seen.turn[0] = seen.turn_told[0] - (self._rate_bias[0] if nose is None else 0.0)
         seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
         seen.position_noise[:], seen.velocity_noise[:] = noise.position, noise.velocity
         seen.scales[:2], seen.scales[2] = scales.long, scales.short
@@ -329,7 +337,7 @@ def _step() -> ca.Function:
     # Airspeed and heading
     turn_told = ca.logic_not(seen.turn_told == 0.0)
     variance = rate_aided.METERS.layout.parts(RATE_AIDED.parts(known.aided).meters).held[0]
-    compass, heading, snapped = sensor_check.compass_checked(
+    compass, heading, snapped = compass_check.compass_checked(
         COMPASS_CHECK.parts(known.compass),
         dt,
         seen.heading,
@@ -338,6 +346,7 @@ def _step() -> ca.Function:
         seen.stuck[0],
         ca.fmax(ca.sqrt(variance), seen.noise[0]),
     )
+    compass, strayed = compass_check.strayed(compass, dt, seen.compass, seen.turn_told)
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
     level_wind = [lane.triangle[LEVEL_WIND] for lane in lanes[1:]]
@@ -356,6 +365,7 @@ def _step() -> ca.Function:
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
         (seen.turn, turn_told),
+        strayed,
         seen.rates[2],
     )
     reasons = AIR_CHECK.parts(air).reasons
@@ -420,7 +430,7 @@ def _step() -> ca.Function:
         quick=quick,
         aided=RATE_AIDED.joined(aided),
         air=air,
-        compass=compass,
+        compass=COMPASS_CHECK.joined(compass),
         follower=follower,
         velocity=velocity,
         way=way,

@@ -256,7 +256,7 @@ class Navigator:
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
             air = self.air
-            known = measurement, vehicle, rates, ground, air.missing, air.nose_rate, air.stuck
+            known = measurement, vehicle, rates, ground, air.missing, air.nose, air.stuck
             found = self.air_estimate.update(*known)
             self.air.wind, self.air.wind_known = self.air_estimate.wind_without_airspeed
             states = self.air_estimate.health.states

@@ -70,11 +70,6 @@ WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1)
 JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
 POSITION_CHECK = Layout(jumped=1, faded=3, last=3)
 
-# rad, rad/s since the measurement before, and standard deviations of the heading, which no aircraft
-# turns unless its gyros tell it
-SNAP, SNAP_RATE, SNAP_DEVIATIONS = 0.1, 0.3, 8.0
-COMPASS_CHECK = Layout(heading=1, snapped=1)
-
 # Airspeed and heading
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
 LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
@@ -247,37 +242,6 @@ def position_checked(
     return after, code, used, moved
 
 
-def compass_checked(
-    known: SimpleNamespace,
-    elapsed: ca.SX,
-    heading: ca.SX,
-    turn: ca.SX,
-    alone: ca.SX,
-    stuck: ca.SX,
-    deviation: ca.SX,
-) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """What is known after a heading, the heading without its jumps, and whether it has jumped.
-
-    Without an airspeed there is nothing else to compare a heading with.
-
-    Args:
-        known: By :data:`COMPASS_CHECK`: the heading before, and by how much it has jumped, [rad].
-        elapsed: Since then in [s].
-        heading: As measured in [rad].
-        turn: By the gyros in [rad/s].
-        alone: Whether no airspeed is used, and the gyros tell the turn.
-        stuck: Whether it stays the same though it turns.
-        deviation: Standard deviation of the heading's noise in [rad].
-    """
-    jump = ca.remainder(heading - known.heading - elapsed * turn, math.tau)
-    most = SNAP + SNAP_RATE * elapsed + SNAP_DEVIATIONS * deviation
-    jumps = ca.logic_or(ca.fabs(jump) > most, stuck)
-    snapped = ca.remainder(known.snapped + jumps * jump, math.tau)
-    snapped = ca.if_else(alone, snapped, 0.0)
-    after = SimpleNamespace(heading=heading, snapped=snapped)
-    return COMPASS_CHECK.joined(after), heading - snapped, ca.fabs(snapped) > AGREEING * SNAP
-
-
 def air_checked(
     known: SimpleNamespace,
     elapsed: ca.SX,
@@ -290,6 +254,7 @@ def air_checked(
     settled: ca.SX,
     explained: ca.SX,
     turn: tuple[ca.SX, ca.SX],
+    strayed: ca.SX,
     acceleration: ca.SX,
 ) -> tuple[ca.SX, list[ca.SX], ca.SX, ca.SX]:
     """What is known after airspeed and heading, which of them is left out, and what the wind tells.
@@ -311,6 +276,7 @@ def air_checked(
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
         turn: How the heading turns by the gyros, in [rad/s]; and whether anything tells it.
+        strayed: What the compass has turned by otherwise than the gyros measure, in [rad].
         acceleration: v' as commanded and flown in [m/s^2].
     """
     known = SimpleNamespace(**vars(known))
@@ -318,6 +284,7 @@ def air_checked(
     gained = level * (reading - known.reading - elapsed * acceleration)
     own = ca.vertcat(gained, -ca.norm_2(air[1]) * turned)  # as residuals change with them
     known.heading = heading
+    own_drift = ca.vertcat(gained, -ca.norm_2(air[1]) * strayed)
     along = air[0][0] * ca.cos(heading) + air[0][1] * ca.sin(heading)
     reason, is_heading = ca.vertsplit(known.reasons)
     was_silent = reason == CODE[SILENT]
@@ -348,6 +315,7 @@ def air_checked(
         weight,
         ca.vertcat(*residuals),
         own,
+        own_drift,
         turn[1],
         ca.vertcat(*TURNED) * wind_deviations,
         MOVES * moved,
@@ -414,6 +382,7 @@ def _compared(
     weight: ca.SX,
     residuals: ca.SX,
     own: ca.SX,
+    own_drift: ca.SX,
     turn_told: ca.SX,
     turned: ca.SX,
     changes: ca.SX,
@@ -428,7 +397,7 @@ def _compared(
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
-    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + own)
+    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + own_drift)
     high_low = ca.vertcat(1.0, -1.0)
     doubts = ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT
     doubts *= weight[AIRSPEED] >= PRIOR_TIME + LASTING

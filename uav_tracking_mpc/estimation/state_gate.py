@@ -29,6 +29,7 @@ SPEED_LIMIT = 500.0  # m/s over ground; a faster change of position is a jump
 FASTER = 2.0  # -, times the ground velocity before a gap, that explain a jump after it
 JUMP_MIN = 50.0  # m; a smaller change of position is never a jump
 NOISE_MULTIPLE = 6.0  # -, standard deviations of the position that are no jump either
+REPEATING = 0.5  # s after which a state that repeats itself, though the aircraft moves, is none
 AGES = 20  # states in a row, of which the one that was the least old tells how the clocks differ
 AGREEING = 3  # outliers in a row, each consistent with the one before, that are a fact
 
@@ -51,6 +52,8 @@ class StateGate:
     Attributes:
         newest: The newest measurement that was believed; None before the first.
         lost: Whether the measurements are known to have ended; until one is believed again.
+        answered: Whether commands answer the states, which until then may repeat themselves.
+        repeats: Whether states have only repeated themselves for some time since.
         reason: Why the last measurement was doubted or made a restart, in words.
     """
 
@@ -62,9 +65,9 @@ class StateGate:
         """Believe the next measurement, whatever it is."""
         self.newest: Measurement | None = None
         self._stood = np.zeros(3)  # m, flown by the ground velocity while the position repeated
-        self._arrived = math.nan
+        self._arrived, self._moved = math.nan, math.nan
         self._ages: deque[float] = deque(maxlen=AGES)  # at their arrival in [s]
-        self.lost = False
+        self.lost = self.answered = self.repeats = False
         self._outlier: Measurement | None = None
         self._agreeing = 0
         self.reason = ""
@@ -108,11 +111,15 @@ class StateGate:
         """
         newest, waited = self.newest, arrival - self._arrived
         if newest is None:
+            self._moved = measurement.stamp
             return self._believe(measurement, arrival, now, Verdict.USE)
         step, jump = _change(newest, measurement, self._stood)
         if -self.timeout <= step <= 0.0:
             return Verdict.DROP
-        if _repeats(newest, measurement):
+        if not _repeats(newest, measurement):
+            self._moved = measurement.stamp
+        self.repeats = self.answered and measurement.stamp - self._moved > REPEATING
+        if self.repeats:
             self.lost = self.lost or step > self.timeout
             return Verdict.DROP
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)

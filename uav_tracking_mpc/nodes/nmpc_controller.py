@@ -359,7 +359,9 @@ class NmpcController(ManagedNode):
             self._send(message, controller, measurement, command, arrival)
         controller.response.learn()
         self.report.tell()
-        if believed:  # the time that an answer takes is none in which states are missing
+        if (
+            believed or command is not None
+        ):  # the time that an answer takes is none in which states are missing
             self._waiting = time.monotonic()
 
     def _send(

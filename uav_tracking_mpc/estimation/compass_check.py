@@ -1,0 +1,87 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Whether a compass turns as the gyros do.
+
+What it turns by besides, that of the gyros' bias taken out, tells of one that drifts, beside
+airspeed and wind (:mod:`~uav_tracking_mpc.estimation.sensor_check`). Without an airspeed there is
+nothing else to compare a heading with than the gyros: a jump is then taken back.
+
+These are expressions: :mod:`~uav_tracking_mpc.estimation.air_estimate` compiles them.
+"""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import casadi as ca
+
+from uav_tracking_mpc.symbolic.layout import Layout
+
+# rad, rad/s since the measurement before, and standard deviations of the heading, which no aircraft
+# turns unless its gyros tell it; and the share of the first one below which it is right again
+SNAP, SNAP_RATE, SNAP_DEVIATIONS, BACK = 0.1, 0.3, 8.0, 0.5
+GYRO_TIME = 120.0  # s, memory of the gyros' bias: a compass that drifts is found before
+COMPASS_CHECK = Layout(heading=1, snapped=1, nose=1, rate=1, known_for=1)
+
+
+def compass_checked(
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    heading: ca.SX,
+    turn: ca.SX,
+    alone: ca.SX,
+    stuck: ca.SX,
+    deviation: ca.SX,
+) -> tuple[SimpleNamespace, ca.SX, ca.SX]:
+    """What is known after a heading, the heading without its jumps, and whether it has jumped.
+
+    Args:
+        known: By :data:`COMPASS_CHECK`: the heading before, and by how much it has jumped, [rad].
+        elapsed: Since then in [s].
+        heading: As measured in [rad].
+        turn: By the gyros in [rad/s].
+        alone: Whether no airspeed is used, and the gyros tell the turn.
+        stuck: Whether it stays the same though it turns.
+        deviation: Standard deviation of the heading's noise in [rad].
+    """
+    jump = ca.remainder(heading - known.heading - elapsed * turn, math.tau)
+    most = SNAP + SNAP_RATE * elapsed + SNAP_DEVIATIONS * deviation
+    jumps = ca.logic_or(ca.fabs(jump) > most, stuck)
+    snapped = ca.remainder(known.snapped + jumps * jump, math.tau)
+    snapped = ca.if_else(alone, snapped, 0.0)
+    after = SimpleNamespace(**vars(known) | {"heading": heading, "snapped": snapped})
+    return after, heading - snapped, ca.fabs(snapped) > BACK * SNAP
+
+
+def strayed(
+    known: SimpleNamespace, elapsed: ca.SX, nose: ca.SX, turn: ca.SX
+) -> tuple[SimpleNamespace, ca.SX]:
+    """What is known after a compass, and what it has turned by besides gyros and their bias [rad].
+
+    Args:
+        known: By :data:`COMPASS_CHECK`: the compass before [rad], how quickly it strays from the
+            gyros on average [rad/s], since when that is known [s].
+        elapsed: Since then in [s].
+        nose: Where the compass says that the nose points, in [rad].
+        turn: How it turns by the gyros, as they are measured, in [rad/s].
+    """
+    apart = (elapsed > 0.0) * ca.remainder(nose - known.nose - elapsed * turn, math.tau)
+    most = SNAP_RATE * elapsed  # a jump is no bias
+    unusual = ca.fmax(-most, ca.fmin(apart, most)) - elapsed * known.rate
+    known_for = ca.fmin(known.known_for + elapsed, GYRO_TIME)
+    rate = known.rate + ca.if_else(known_for > 0.0, unusual / known_for, 0.0)
+    after = SimpleNamespace(**vars(known) | {"nose": nose, "rate": rate, "known_for": known_for})
+    return after, apart - elapsed * rate
