@@ -47,12 +47,12 @@ def test_duplicates_and_what_comes_out_of_order_are_dropped(gate):
 
 def test_a_state_that_only_repeats_itself_tells_nothing_until_it_moves_on():
     gate = StateGate(0.5)
-    gate.answered = True
 
     def moving(stamp, place):
         return Measurement(stamp, np.array([20.0 * place, 0.0, 0.0]), np.full(3, 20.0), 1.0, 0.1)
 
-    assert gate.judge(moving(9.95, -0.05), 9.95) is Verdict.USE
+    for stamp in np.arange(9.2, 9.99, TICK):
+        assert gate.judge(moving(stamp, -0.05), stamp) is Verdict.USE  # it has never moved
     for stamp in np.arange(10.0, 15.0, TICK):
         used = Verdict.USE if stamp < 10.0 + REPEATING - 1e-6 else Verdict.DROP
         assert gate.judge(moving(stamp, 0.0), stamp) is used

@@ -258,7 +258,7 @@ class Controller:
         begin, stamp = self._stopwatch(), measurement.stamp
         believed = self._believe(measurement, begin, now)
         if believed is None:
-            return self._go_on(stamp) if self._gate.repeats else None
+            return self._go_on(stamp) if self._gate.hangs(measurement) else None
         measurement, vehicle = believed
         self.rate.state(stamp)
         target = self.navigator.target
@@ -292,7 +292,7 @@ class Controller:
         forced = math.hypot(*target.track.state[2, :2].tolist()) if known else 0.0
         flown = self.response.commanded(stamp, delay, command.inputs, command.step, forced)
         self.navigator.commanded(stamp, delay, flown, command.step)
-        self.flying = self._gate.answered = True
+        self.flying = True
         self.rate.sent(stamp)
         return command
 

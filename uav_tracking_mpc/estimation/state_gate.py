@@ -52,8 +52,6 @@ class StateGate:
     Attributes:
         newest: The newest measurement that was believed; None before the first.
         lost: Whether the measurements are known to have ended; until one is believed again.
-        answered: Whether commands answer the states, which until then may repeat themselves.
-        repeats: Whether states have only repeated themselves for some time since.
         reason: Why the last measurement was doubted or made a restart, in words.
     """
 
@@ -65,9 +63,9 @@ class StateGate:
         """Believe the next measurement, whatever it is."""
         self.newest: Measurement | None = None
         self._stood = np.zeros(3)  # m, flown by the ground velocity while the position repeated
-        self._arrived, self._moved = math.nan, math.nan
+        self._arrived = self._moved = math.nan  # when it last moved: [s] of the stamps
         self._ages: deque[float] = deque(maxlen=AGES)  # at their arrival in [s]
-        self.lost = self.answered = self.repeats = False
+        self.lost = False
         self._outlier: Measurement | None = None
         self._agreeing = 0
         self.reason = ""
@@ -111,15 +109,11 @@ class StateGate:
         """
         newest, waited = self.newest, arrival - self._arrived
         if newest is None:
-            self._moved = measurement.stamp
             return self._believe(measurement, arrival, now, Verdict.USE)
         step, jump = _change(newest, measurement, self._stood)
         if -self.timeout <= step <= 0.0:
             return Verdict.DROP
-        if not _repeats(newest, measurement):
-            self._moved = measurement.stamp
-        self.repeats = self.answered and measurement.stamp - self._moved > REPEATING
-        if self.repeats:
+        if self.hangs(measurement):
             self.lost = self.lost or step > self.timeout
             return Verdict.DROP
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
@@ -144,6 +138,17 @@ class StateGate:
         verdict = Verdict.RESTART if step < 0.0 or moved else Verdict.USE
         return self._believe(measurement, arrival, now, verdict)
 
+    def hangs(self, measurement: Measurement) -> bool:
+        """Whether states have only repeated themselves for some time, though they moved before.
+
+        Args:
+            measurement: The newest one.
+        """
+        newest = self.newest
+        if newest is None or not _repeats(newest, measurement):
+            return False
+        return measurement.stamp - self._moved > REPEATING
+
     def _ahead(self, stamp: float, now: float) -> float:
         """By how much a stamp is ahead of the clock and what states were late at least in [s]."""
         return stamp - now + min(self._ages, default=math.nan)
@@ -152,6 +157,8 @@ class StateGate:
         self, measurement: Measurement, arrival: float, now: float, verdict: Verdict
     ) -> Verdict:
         before, self.newest, self._outlier, self._agreeing = self.newest, measurement, None, 0
+        if before is not None and not _repeats(before, measurement):
+            self._moved = measurement.stamp
         if before is not None and np.array_equal(before.position, measurement.position):
             self._stood += (measurement.stamp - before.stamp) * measurement.ground_velocity
         else:
