@@ -346,7 +346,7 @@ def air_checked(
 
 
 def repeated(state: ca.SX, stuck: ca.SX) -> ca.SX:
-    """State after a reading that may be stuck; one that no longer is must agree first."""
+    """State by :data:`CODE` after a reading; one that is no longer stuck must agree first."""
     freed = ca.logic_and(state == CODE[STUCK], ca.logic_not(stuck))
     state = ca.if_else(ca.logic_and(state == CODE[USED], stuck), CODE[STUCK], state)
     return ca.if_else(freed, CODE[JUMPED], state)
@@ -428,7 +428,7 @@ def _compared(
         by_air = jumped * (by_sensor < LEAST_SHARE * ca.fabs(jumps[its]))
         jumped = ca.logic_and(jumped, by_sensor > OWN_SHARE * ca.fabs(jumps[its]))
         off = ca.fabs(lasting[its]) > least
-        # A bias from the start has been found by then, and is none of this.
+        # An airspeed's bias from the start has been found after a minute, and is none of this.
         drifts = ca.sign(lasting[its]) * drifted[which] > OWN_SHARE * ca.fabs(lasting[its])
         drifts *= weight[which] >= (COMPARED if which == AIRSPEED else PRIOR_TIME + LASTING)
         off *= drifts if which == AIRSPEED else drifts * turn_told

@@ -359,9 +359,8 @@ class NmpcController(ManagedNode):
             self._send(message, controller, measurement, command, arrival)
         controller.response.learn()
         self.report.tell()
-        if (
-            believed or command is not None
-        ):  # the time that an answer takes is none in which states are missing
+        # The time that an answer takes is none in which states are missing.
+        if believed or command is not None:
             self._waiting = time.monotonic()
 
     def _send(
