@@ -428,17 +428,34 @@ def test_positions_alone_tell_the_velocity_of_an_aircraft_that_turns(step):
 
 
 def placed(offset, duration, present=True):
-    """States, uses and moves of positions that are elsewhere from the second on."""
+    """States, whether they are used, and moves of positions that are elsewhere from the second."""
     check = Evaluated(
-        position_checked, POSITION_CHECK, np.zeros(POSITION_CHECK.size), [1, 3, 1, 3, 1]
+        position_checked, POSITION_CHECK, np.zeros(POSITION_CHECK.size), [1, 3, 1, 3, 1, 1]
     )
     rows = []
     for k in range(1, round(duration / STEP)):
         carried = k * STEP * EXPECTED
         seen = carried + np.array([offset, 0.0, 0.0]) * (k > 1)
-        code, used, moved = check(STEP, seen, present, carried, 0.1)
-        rows.append((STATES[int(code[0])], bool(used[0]), bool(moved[0])))
+        code, place, moved = check(STEP, seen, present, carried, EXPECTED[2], 0.1)
+        rows.append((STATES[int(code[0])], bool(present and (place == seen).all()), bool(moved[0])))
     return rows
+
+
+@pytest.mark.parametrize("climb", [1.0, -1.0])
+def test_a_height_that_stays_while_the_aircraft_climbs_is_stuck_until_it_changes(climb):
+    zeros = np.zeros(POSITION_CHECK.size)
+    check = Evaluated(position_checked, POSITION_CHECK, zeros, [1, 3, 1, 3, 1, 1])
+    carried, states = np.array([0.0, 0.0, 100.0]), []
+    for k in range(round(6.0 / STEP)):
+        carried += STEP * np.array([20.0, 0.0, climb])
+        seen = [*carried[:2], 100.0 if k * STEP < 4.0 else carried[2]]
+        code, place, _ = check(STEP, seen, 1.0, carried, climb, 0.0)
+        states.append(STATES[int(code[0])])
+        np.testing.assert_array_equal(place, carried if k else seen)
+    stuck = states.index("stuck")
+    assert stuck * STEP == pytest.approx(JUMP, abs=3.0 * STEP)
+    assert set(states[stuck : round(4.0 / STEP)]) == {"stuck"}
+    assert set(states[:stuck] + states[round(4.0 / STEP) + 1 :]) == {"used"}
 
 
 def test_a_position_that_jumps_is_left_out_until_it_has_stayed_there():

@@ -64,10 +64,12 @@ from uav_tracking_mpc.estimation.state_gate import StateGate, Verdict
 from uav_tracking_mpc.formulation.formulation import Formulation, Plan
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.specification import ParameterError, changed, refuse_fixed
-from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, NEAREST, TrackingParameters
 
 Inputs = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
+# -, share of a quarter turn, from towards the target to about it, that a plan must have time for
+QUARTER_TURN = 0.8
 
 
 class Controller:
@@ -111,6 +113,19 @@ class Controller:
         self._shaper = CommandShaper(parameters, self.events)
         self.reset()
         self._choose()
+        self._advise()
+
+    def _advise(self) -> None:
+        """Warn of plans that end before they can be on an orbit, as those of a fast aircraft."""
+        asked = self.parameters
+        if self.formulation is None or asked.terminal_constraint != ARTIFICIAL_ORBIT:
+            return
+        lasts = asked.horizon * asked.horizon_step
+        quarter = 0.5 * math.pi / asked.envelope.turn_rate_max(asked.airspeed)
+        if lasts < QUARTER_TURN * quarter:
+            words = f"plans last {lasts:.3g} s, but a quarter turn takes {quarter:.3g} s"
+            remedy = "raise horizon_step, or the loiter law flies most of the way to the orbit"
+            self.events.add(Level.WARNING, f"{words}: {remedy}")
 
     def reset(self) -> None:
         """Forget aircraft, air, target, plans and commands; counts stay."""
@@ -172,6 +187,7 @@ class Controller:
         self._margin.forget()
         self._fly_by(parameters, self.response.tell(parameters))
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
+        self._advise()
 
     def _respond(self, response: Response | None) -> None:
         """Predict with another response from now on; with None as before."""
@@ -253,7 +269,8 @@ class Controller:
             now: Time at the call in [s], by the clock of the stamps.
 
         Returns:
-            None while no command is due, the measurement is doubted or late, or no target seen.
+            None while no command is due, the measurement is doubted or late, no target seen, or no
+            position for too long.
         """
         begin, stamp = self._stopwatch(), measurement.stamp
         believed = self._believe(measurement, begin, now)
@@ -278,6 +295,8 @@ class Controller:
             self.formulation.soften(factors)
         self._keep_margin()
         command = self._answer(measurement, vehicle)
+        if command is None:
+            return None
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
             words = f"vehicle state: answered only after {taken:.3f} s: {OWN_SOLVE}"
@@ -345,8 +364,8 @@ class Controller:
         self.rate.sent(stamp)
         return self._command(stamp, left, self.navigator.airspeed, None, None)
 
-    def _answer(self, measurement: Measurement, vehicle: NDArray[np.float64]) -> Command:
-        """Command for a measurement that is believed and due."""
+    def _answer(self, measurement: Measurement, vehicle: NDArray[np.float64]) -> Command | None:
+        """Command for a measurement that is believed and due; None where the position is lost."""
         stamp, seen = measurement.stamp, self.navigator.target.time
         try:
             estimate = self.navigator.estimate(measurement, vehicle)
@@ -356,6 +375,9 @@ class Controller:
             return self._hold(stamp, vehicle, trouble)
         for words in self.navigator.complaints():
             self.events.add(Level.WARNING, words)
+        if self.navigator.lost:
+            self.fall_silent("no position for so long that none is known")
+            return None
         self.drift = estimate.present.drift
         fresh = seen is not None and stamp - seen <= self.parameters.target_timeout
         return self._fly(stamp, estimate, fresh)

@@ -380,11 +380,10 @@ def _step() -> ca.Function:
 
     # Position
     carried = state[P] + dt * (0.5 * (known.ground + used_ground) - state[B])
-    placed, code, used, moved = sensor_check.position_checked(
-        place, dt, seen.position, seen.placed, carried, position_noise
+    placed, code, position, moved = sensor_check.position_checked(
+        place, dt, seen.position, seen.placed, carried, used_ground[2], position_noise
     )
-    placed.faded += ca.if_else(moved, state[P] - seen.position, 0.0)
-    position = ca.if_else(used, seen.position, carried)
+    placed.faded += ca.if_else(moved, state[P] - position, 0.0)
 
     # The filters of the wind. What is known of it in one direction tells no heading yet: a filter
     # that went by one would drift to and fro along a circle of winds, all of the same airspeed.
@@ -392,7 +391,7 @@ def _step() -> ca.Function:
     ahead = []
     walks = wind_filter.METERS.walks(meters)
     for which, lane in enumerate(lanes):
-        lane.state[P] = ca.if_else(moved, seen.position, lane.state[P])
+        lane.state[P] = ca.if_else(moved, position, lane.state[P])
         guess = (
             turned if which == NO_HEADING else heading,
             path_angle,

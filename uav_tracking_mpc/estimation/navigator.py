@@ -31,7 +31,7 @@ from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
-from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, SILENT, USED, VELOCITY
+from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, POSITION, SILENT, USED, VELOCITY
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -42,6 +42,9 @@ ROUNDING = 1e-9  # -, of a count of steps
 LATENCY_LIMIT = 0.5  # s
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
 ACCELERATION = 2  # axis of u_v among the inputs
+# m/s by which a position that is carried on goes astray: by the ground velocity, and by the air
+# velocity and wind in its place; and m from which on nobody should fly by it
+ASTRAY, BY_WIND, LOST = 0.3, 1.5, 30.0
 
 
 class Estimate(NamedTuple):
@@ -132,8 +135,13 @@ class Navigator:
         self.air_estimate.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
-        self._acceleration = 0.0
+        self._acceleration = self._astray = 0.0
         self._time: float | None = None
+
+    @property
+    def lost(self) -> bool:
+        """Whether the position has been carried on for so long that it is none any more."""
+        return self._astray > LOST
 
     @property
     def airspeed_known(self) -> bool:
@@ -234,8 +242,11 @@ class Navigator:
         track = self.target.track
         motion, ground = track.state.reshape(-1), float(track.state[0, 2])
         turning = float(track.covariance[2, 2]), track.turn_rate, *self.target.bridge(time)
-        self._follow_acceleration(time)
+        elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
+        self._time = time
+        self._follow_acceleration(time, elapsed)
         air = self._aircraft_in_air(measurement, vehicle, ground)
+        self._go_astray(elapsed)
         np.add(self._stages, delay, out=self._times[1:])
         blowing = air[2:6]
         faded = self._fading(time).reshape(-1)
@@ -306,13 +317,17 @@ class Navigator:
             drift += change
         return state
 
-    def _follow_acceleration(self, time: float) -> None:
+    def _follow_acceleration(self, time: float, elapsed: float) -> None:
         """Acceleration flown at a time: the commands, after dead time and lag."""
-        elapsed = 0.0 if self._time is None else time - self._time
-        self._time = time
         if not elapsed > 0.0:
             return
         dead_time = self._dead_time[ACCELERATION]
         demanded = self._history.demanded(time - 0.5 * elapsed - dead_time, ACCELERATION)
         share = followed(elapsed, self._lag)
         self._acceleration += share * (demanded - self._acceleration)
+
+    def _go_astray(self, elapsed: float) -> None:
+        """By how much the position that is told may be wrong after some time without one."""
+        states = self.air_estimate.health.states
+        pace = ASTRAY if states[VELOCITY] == USED else BY_WIND
+        self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace

@@ -67,8 +67,9 @@ WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1)
 
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
+# A height that stays the same while the ground velocity climbs as far is stuck.
 JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
-POSITION_CHECK = Layout(jumped=1, faded=3, last=3)
+POSITION_CHECK = Layout(jumped=1, faded=3, last=3, climbed=1)
 
 # Airspeed and heading
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
@@ -211,35 +212,44 @@ def position_checked(
     position: ca.SX,
     present: ca.SX,
     carried: ca.SX,
+    climb: ca.SX,
     deviation: ca.SX,
 ) -> tuple[SimpleNamespace, ca.SX, ca.SX, ca.SX]:
-    """What is known after a position, its state by :data:`CODE`, whether it is used, has moved.
+    """What is known after a position, its state by :data:`CODE`, what is used, whether that jumps.
 
     Args:
         known: By :data:`POSITION_CHECK`: for how long positions have been elsewhere [s], what of a
-            jump is still to be told [m], the last position [m].
+            jump is still to be told [m], the last position [m], how far the aircraft has climbed
+            since the height changed last [m].
         elapsed: Since the measurement before in [s].
         position: As measured, shape (3,), in [m].
         present: 1 where one is measured, else 0.
         carried: Where the ground velocity leads, shape (3,), in [m].
+        climb: Upward ground velocity in [m/s].
         deviation: Standard deviation of the noise on the worst axis in [m].
     """
+    limit = JUMP + JUMP_DEVIATIONS * deviation
     repeated = ca.logic_and(present, ca.logic_not(is_fresh(known, position, present)))
-    far = ca.norm_2(position - carried) > JUMP + JUMP_DEVIATIONS * deviation
-    far = ca.logic_and(present, far)
+    stands = ca.logic_and(present, position[2] == known.last[2])
+    goes_on = ca.fabs(known.climbed) <= limit  # and then stays beyond
+    climbed = ca.if_else(stands, known.climbed + goes_on * elapsed * climb, 0.0)
+    level = ca.fabs(climbed) > limit
+    place = ca.vertcat(position[:2], ca.if_else(stands, carried[2], position[2]))
+    far = ca.logic_and(present, ca.norm_2(place - carried) > limit)
     jumped = ca.if_else(far, known.jumped + elapsed, 0.0)
     elsewhere = ca.logic_and(far, ca.logic_not(repeated))
     moved = ca.logic_and(elsewhere, jumped >= JUMP_TIME)
     waits = ca.logic_and(elsewhere, ca.logic_not(moved))
-    stuck = ca.logic_and(far, repeated)
+    stuck = ca.logic_and(ca.logic_not(waits), ca.logic_or(far * repeated, level))
     code = CODE[JUMPED] * waits + CODE[STUCK] * stuck + CODE[SILENT] * ca.logic_not(present)
     used = present * ca.logic_not(repeated) * ca.logic_not(waits)
     after = SimpleNamespace(
         jumped=ca.if_else(moved, 0.0, jumped),
         faded=known.faded * ca.exp(-elapsed / FADE_TIME),
         last=ca.if_else(present, position, known.last),
+        climbed=climbed,
     )
-    return after, code, used, moved
+    return after, code, ca.if_else(used, place, carried), moved
 
 
 def air_checked(

@@ -222,8 +222,9 @@ class SimulatorParameters(HoldParameters, FrameParameters):
     )
     position_fault: str = parameter(
         "none",
-        "Of the positions: frozen at the one measured last, or silent; then no state is published.",
-        choices=("none", "frozen", "silent"),
+        "Of the positions: frozen at the one measured last, level (only the height is), or silent; "
+        "then no state is published.",
+        choices=("none", "frozen", "level", "silent"),
     )
     heading_fault: str = parameter(
         "none", "Of the heading: stuck at the one measured last.", choices=("none", "stuck")

@@ -249,8 +249,10 @@ def test_what_is_stuck_keeps_what_it_measured_last_until_it_is_repaired():
     seen = sensor.measure(later)
     np.testing.assert_array_equal(seen.state(seen.airspeed), TRUTH.state(TRUTH.airspeed))
     np.testing.assert_array_equal(seen.ground_velocity, TRUTH.ground_velocity)
-    sensor.change(SimulatorParameters(heading_fault="stuck"))
+    sensor.change(SimulatorParameters(heading_fault="stuck", position_fault="level"))
     seen = sensor.measure(later)
+    level = [*later.position[:2], TRUTH.position[2]]
+    np.testing.assert_array_equal(seen.position, level)
     assert (seen.heading, seen.airspeed) == (TRUTH.heading, 30.0)
     sensor.change(SimulatorParameters())
     assert sensor.measure(later) is later

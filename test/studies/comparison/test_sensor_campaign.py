@@ -24,6 +24,7 @@ import pytest
 from sensor_flights import FAULTS, judged
 
 from uav_tracking_mpc import load_configuration
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.navigator import Navigator
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
 from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
@@ -210,6 +211,35 @@ def test_an_airspeed_that_nobody_finds_wrong_passes_no_limit(seed, airspeed, wro
     airspeeds = log.vehicle[log.time > 60.0, 5]
     assert not log.sensors
     assert 14.0 <= airspeeds.min() <= airspeeds.max() <= 32.0
+
+
+@pytest.mark.parametrize("plant", ["vehicle", pytest.param("jsbsim", marks=LONG)])
+def test_a_height_that_is_stuck_is_carried_on_by_the_velocity(plant):
+    """In gusts; what the filter took for a bias of the velocity once led away by 30 m."""
+    gusts = "uav_simulator.seed=4", "uav_simulator.gust_intensity=15.4"
+    log = flown_two_minutes(plant, "position_fault=level", *gusts)
+    assert np.abs(log.vehicle[log.time > 60.0, 2] - 120.0).max() < 6.0
+    assert {each.sensor for each in log.sensors} <= {"position"}
+
+
+@pytest.mark.parametrize(
+    ("velocity", "lost"), [("stuck", 20.0), pytest.param("none", 100.0, marks=LONG)]
+)
+def test_a_position_that_is_carried_on_comes_to_an_end(velocity, lost):
+    """Nobody flies for ever by a place that only wind and velocities tell."""
+    faults = {"position_fault": "silent", "velocity_fault": velocity}
+    found = 60.0 + lost + 5.0
+    changes = [(60.0, f"uav_simulator.{name}={fault}") for name, fault in faults.items()]
+    changes += [(found, f"uav_simulator.{name}=none") for name in faults]
+    config = load_configuration("small_uav", ["uav_simulator.wind=[5.0, 3.0, 0.0]"])
+    loop = ClosedLoop(dataclasses.replace(config, changes=tuple(changes)))
+    while loop.time < found + 5.0:
+        loop.tick()
+    silent, again = loop.log(loop.time).modes[-2:]
+    assert silent.mode is FallbackMode.SILENCE
+    assert silent.time == pytest.approx(60.0 + lost, abs=1.5)
+    assert again.mode.nominal
+    assert found <= again.time < found + 4.0
 
 
 @LONG

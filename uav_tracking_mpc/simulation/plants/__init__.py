@@ -123,10 +123,13 @@ class VehicleSensors:
         right_angle, known = 0.5 * math.pi, self._parameters
         silent = known.position_fault == "silent"
         place = np.full(3, math.nan) if silent else truth.position + position
+        kept = self._stuck("position", place)
+        if known.position_fault == "level":
+            kept = np.append(place[:2], kept[2])
         velocity = known.velocity_gain * truth.ground_velocity + ground_velocity
         return dataclasses.replace(
             truth,
-            position=self._stuck("position", place),
+            position=kept,
             ground_velocity=self._stuck("velocity", velocity),
             heading=self._stuck("heading", float(wrap_angle(truth.heading + heading))),
             path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),
@@ -165,7 +168,8 @@ def _told(parameters: SimulatorParameters) -> SensorNoise:
 
 
 FAILING = ("airspeed", "position", "heading", "velocity")
-KEEPING = ("stuck", "frozen", "blocked")  # faults by which a sensor keeps what it measured last
+# Faults by which a sensor keeps what it measured last
+KEEPING = ("stuck", "frozen", "level", "blocked")
 PACE = ("speed", "command_delay")  # of the parameters, what is not about the plant
 AIR = ("wind", "gust_intensity")  # of the parameters, what a plant makes its air of
 
