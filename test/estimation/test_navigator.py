@@ -22,7 +22,7 @@ import small_uav
 
 from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.navigator import LATENCY_LIMIT, Navigator
+from uav_tracking_mpc.estimation.navigator import Navigator
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
@@ -164,7 +164,7 @@ def test_a_command_is_computed_for_where_the_aircraft_is_when_it_takes_effect(
 def test_latency_adds_to_the_dead_time_within_limits():
     navigator = seen(FLIGHT, run=(3.0, 0.0, 0.0))
     begin = estimated(navigator, measured(6.0)).forecast.target[0, 0]
-    for latency, counted in ((0.1, 0.1), (-1.0, 0.0), (1e9, LATENCY_LIMIT), (1e-12, 0.0)):
+    for latency, counted in ((0.1, 0.1), (-1.0, 0.0), (1e9, FLIGHT.state_timeout), (1e-12, 0.0)):
         navigator.latency = latency
         _, later, forecast = estimated(navigator, measured(6.0))
         assert forecast.target[0, 0] - begin == pytest.approx(3.0 * counted, abs=0.01)

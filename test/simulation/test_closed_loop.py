@@ -398,3 +398,16 @@ def test_a_flight_is_the_same_however_short_the_budget_of_a_live_solve_is():
         logs.append(loop.log(5.0))
     assert [log.failures for log in logs] == [0, 0]
     np.testing.assert_array_equal(logs[0].inputs, logs[1].inputs)
+
+
+@pytest.mark.parametrize("late", [0.45, 0.9])
+def test_a_state_later_than_a_segment_is_flown_by_all_the_same(late):
+    """Its command is the plan's first input, whose segment by the stamp is over; not the second."""
+    settings = f"uav_simulator.state_delay={late}", "nmpc_controller.state_timeout=1.0"
+    loop = ClosedLoop(
+        load_configuration("small_uav", [*settings, "uav_simulator.wind=[6.0, 2.0, 0.0]"])
+    )
+    while loop.time < 70.0:
+        loop.tick()
+    log = loop.log(loop.time)
+    assert np.abs(log.error[log.time > 60.0, 0]).max() < 0.05

@@ -68,6 +68,7 @@ from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, NEAREST, Tracki
 
 Inputs = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
+LASTS = 0.9  # -, periods of the control rate, for which the first input of a plan is flown at least
 # -, share of a quarter turn, from towards the target to about it, that a plan must have time for
 QUARTER_TURN = 0.8
 
@@ -438,6 +439,11 @@ class Controller:
         self, stamp: float, told: Inputs, airspeed: float, plan: Plan | None, now: Situation | None
     ) -> Command:
         (inputs, step), mode, reason = told, self.modes.mode, self.modes.reason
+        # Segments count from the stamp: the first input lasts until the next command is there, or
+        # half of its time where commands are that rare.
+        until = self.navigator.latency + min(LASTS / self.parameters.control_rate, 0.5 * step)
+        late = min(math.ceil(until / step), len(inputs)) - 1
+        inputs = np.vstack([*[inputs[:1]] * late, inputs[: len(inputs) - late]])
         inputs, surplus = inputs / self.response.flown.gains, self.navigator.air.surplus
         inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode, surplus, now)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, now)
