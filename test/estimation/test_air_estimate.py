@@ -60,7 +60,7 @@ class AirFilter(AirEstimate):
 
 def flown(
     duration, wind=(3.0, -5.0, 0.2), bias=(0.0, 0.0, 0.0), share=0.0, heading=0.0, noise=0.0,
-    position_noise=(0.0, 0.0, 0.0), told=False,
+    position_noise=(0.0, 0.0, 0.0), told=False, resolution=1e-9,
 ):  # fmt: skip
     """Filter after circling in steady wind with sensors that err."""
     random, position = np.random.default_rng(2), np.array([100.0, 50.0, 120.0])
@@ -73,6 +73,7 @@ def flown(
         )
         ground = air + wind + np.array(bias) + noise * random.standard_normal(3)
         place = position + np.array(position_noise) * random.standard_normal(3)
+        place = resolution * np.round(place / resolution)
         known = (position_noise, (noise,) * 3) if told else ()
         filter_.see(k * STEP, place, ground, measured, *known)
         chord = STEP * np.sinc(0.5 * TURN * STEP / np.pi)
@@ -192,6 +193,15 @@ def test_each_axis_is_smoothed_by_its_own_noise():
     (east, north, up), (_, _, up_untold) = spread(True), spread(False)
     assert up < 0.7 * up_untold
     assert max(east, north) < 1.3  # of which 1.1 m are the step that the truth is ahead
+
+
+@pytest.mark.parametrize("climb", [0.03, -0.5])
+def test_positions_in_whole_metres_are_followed(climb):
+    """Most heights repeat the one before: whoever waits for another goes by the velocity alone."""
+    known = {"wind": (3.0, -5.0, climb), "bias": (0.0, 0.0, 0.2), "noise": 0.1}
+    found, position = flown(120.0, resolution=1.0, **known)
+    assert np.abs(found.found.vehicle[2] - position[2]) < 1.0
+    assert found.health.states["position"] == "used"
 
 
 @pytest.mark.parametrize("gap", [0.0, 1.0])

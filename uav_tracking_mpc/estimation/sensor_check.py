@@ -69,6 +69,7 @@ WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1)
 # left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
 # A height that stays the same while the ground velocity climbs as far is stuck.
 JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
+STANDING = 0.25  # -, of that climb, from which on a height that stays is not used
 POSITION_CHECK = Layout(jumped=1, faded=3, last=3, climbed=1)
 
 # Airspeed and heading
@@ -234,9 +235,11 @@ def position_checked(
     goes_on = ca.fabs(known.climbed) <= limit  # and then stays beyond
     climbed = ca.if_else(stands, known.climbed + goes_on * elapsed * climb, 0.0)
     level = ca.fabs(climbed) > limit
-    place = ca.vertcat(position[:2], ca.if_else(stands, carried[2], position[2]))
+    # Long before, or the filter would take what the height does not show for the velocity's bias.
+    old = ca.fabs(climbed) > STANDING * limit
+    place = ca.vertcat(position[:2], ca.if_else(old, carried[2], position[2]))
     far = ca.logic_and(present, ca.norm_2(place - carried) > limit)
-    jumped = ca.if_else(far, known.jumped + elapsed, 0.0)
+    jumped = ca.if_else(far, known.jumped + elapsed, known.jumped * old)
     elsewhere = ca.logic_and(far, ca.logic_not(repeated))
     moved = ca.logic_and(elsewhere, jumped >= JUMP_TIME)
     waits = ca.logic_and(elsewhere, ca.logic_not(moved))
