@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.air_data import AirData
+from uav_tracking_mpc.estimation.air_data import STUCK_CLIMB, AirData
 from uav_tracking_mpc.estimation.measurement import Measurement
 
 
@@ -78,6 +78,16 @@ def test_a_reading_that_stays_while_the_gyros_turn_is_stuck_until_it_changes(tur
     assert not headings[:235].any()
     assert headings[280:399].all() == stuck == headings.any()
     assert not headings[402:].any()
+
+
+@pytest.mark.parametrize(("climb", "told"), [(0.5, 0.0), (-2.0, 1.0), (1.0, 1.0)])
+def test_a_vertical_velocity_that_does_not_change_as_the_aircraft_climbs_is_stuck(climb, told):
+    air = AirData(0.5)
+    for time in np.arange(0.0, 10.0, 0.05):
+        position, velocity = np.array([20.0 * time, 0.0, climb * time]), np.array([20.0, 0.0, told])
+        air.see_state(Measurement(time, position, velocity, 0.0, 0.0))
+        off = abs(climb - told) * time
+        assert abs(off - STUCK_CLIMB) < 0.2 or air.stuck == (False, off > STUCK_CLIMB)
 
 
 def test_reset_forgets():

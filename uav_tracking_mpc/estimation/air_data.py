@@ -31,13 +31,14 @@ from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementErro
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
-# rad and s, for which an aircraft turns, by its gyros, while a sensor that is not stuck may repeat
-# itself: as one does that is read less often than states are sent
-STUCK_TURN, STUCK_TIME = 0.04, 0.7
+# s, rad and m, for which an aircraft turns, by its gyros, or climbs otherwise than is told, while
+# one may repeat itself that is not stuck: as one does that is read less often than states are sent
+STUCK_TIME, STUCK_TURN, STUCK_CLIMB = 0.7, 0.04, 3.0
+NOISE_MULTIPLE = 6.0  # -, standard deviations of a height that are no climb
 
 
 class Repetition:
-    """Whether a reading stays the same to the last bit while the aircraft turns.
+    """Whether a reading stays the same to the last bit while it must change.
 
     Attributes:
         stuck: Whether it does.
@@ -45,23 +46,24 @@ class Repetition:
 
     def __init__(self) -> None:
         self._reading: object = None
-        self._time = self._turned = 0.0
+        self._time = self._change = 0.0
         self.stuck = False
 
-    def see(self, reading: object, elapsed: float, turn_rate: float) -> None:
+    def see(self, reading: object, elapsed: float, change: float, most: float) -> None:
         """Take in a reading.
 
         Args:
             reading: Anything that can be compared.
             elapsed: Since the one before in [s].
-            turn_rate: Of the aircraft in [rad/s].
+            change: Of the aircraft since then.
+            most: Such change that a reading may not show.
         """
         same = reading == self._reading
         self._reading = reading
         self._time = same * (self._time + elapsed)
-        self._turned = same * (self._turned + elapsed * turn_rate)
-        turned = self._time > STUCK_TIME and abs(self._turned) > STUCK_TURN
-        self.stuck = same and (self.stuck or turned)
+        self._change = same * (self._change + change)
+        changed = self._time > STUCK_TIME and abs(self._change) > most
+        self.stuck = same and (self.stuck or changed)
 
 
 class AirData:
@@ -105,7 +107,8 @@ class AirData:
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
         self.missing = self.awaited = self._told = self._doubted = False
         self._path.reset()
-        self._heading, self._velocity = Repetition(), Repetition()
+        self._heading, self._velocity, self._climb = (Repetition() for _ in range(3))
+        self._height = math.nan
         self.stuck = False, False
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
@@ -139,10 +142,7 @@ class AirData:
         """
         airspeed, stamp = measurement.airspeed, measurement.stamp
         if stamp != self._latest:
-            elapsed = min(stamp - self._latest, self.timeout)
-            self._heading.see(measurement.heading, elapsed, measurement.turn_rate)
-            self._velocity.see(measurement.ground_velocity.tolist(), elapsed, measurement.turn_rate)
-            self.stuck = self._heading.stuck, self._velocity.stuck
+            self._compare(measurement, min(stamp - self._latest, self.timeout))
             self._before, self._latest = self._latest, stamp
         near = any(abs(each - self._stamp) <= self.timeout for each in (stamp, self._before))
         if airspeed is None and near:
@@ -167,6 +167,18 @@ class AirData:
             return of_path, of_path.state(speed)
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
         return of_path, np.array([*measurement.position, heading, path_angle, speed])
+
+    def _compare(self, measurement: Measurement, elapsed: float) -> None:
+        """Whether heading and ground velocity change as the aircraft does."""
+        velocity, height = measurement.ground_velocity.tolist(), float(measurement.position[2])
+        turned = elapsed * measurement.turn_rate
+        self._heading.see(measurement.heading, elapsed, turned, STUCK_TURN)
+        self._velocity.see(velocity, elapsed, turned, STUCK_TURN)
+        missed, noise = height - self._height - elapsed * velocity[2], measurement.noise.position[2]
+        missed = 0.0 if math.isnan(missed) else missed
+        self._climb.see(velocity[2], elapsed, missed, STUCK_CLIMB + NOISE_MULTIPLE * noise)
+        self._height = height
+        self.stuck = self._heading.stuck, self._velocity.stuck or self._climb.stuck
 
     @property
     def surplus(self) -> float:

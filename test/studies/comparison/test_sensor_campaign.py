@@ -24,6 +24,7 @@ import pytest
 from sensor_flights import FAULTS, judged
 
 from uav_tracking_mpc import load_configuration
+from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.navigator import Navigator
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
@@ -220,6 +221,21 @@ def test_a_height_that_is_stuck_is_carried_on_by_the_velocity(plant):
     log = flown_two_minutes(plant, "position_fault=level", *gusts)
     assert np.abs(log.vehicle[log.time > 60.0, 2] - 120.0).max() < 6.0
     assert {each.sensor for each in log.sensors} <= {"position"}
+
+
+def test_without_a_vertical_velocity_the_altitude_is_kept(monkeypatch):
+    """A source that measures none leaves it at 0."""
+    step = Controller.step
+
+    def level(self, seen, *rest):
+        return step(
+            self, dataclasses.replace(seen, ground_velocity=seen.ground_velocity * [1, 1, 0]), *rest
+        )
+
+    monkeypatch.setattr(Controller, "step", level)
+    log = flown_two_minutes("vehicle", "gust_intensity=2.0")
+    assert [(each.sensor, each.state) for each in log.sensors] == [("ground velocity", "stuck")]
+    assert np.abs(log.error[log.time > 60.0, 0]).max() < 1.0
 
 
 @pytest.mark.parametrize(
