@@ -39,6 +39,7 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
 LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 ROUNDING = 1e-9  # -, of a count of steps
+LATENCY_LIMIT = 1.5  # s, counted on at most: a greater one is that of a clock
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
 ACCELERATION = 2  # axis of u_v among the inputs
 # m/s by which a position that is carried on goes astray: by the ground velocity, and by the air
@@ -106,6 +107,7 @@ class Navigator:
             self._step = BufferedFunction(step_function(parameters.vehicle))
         self._model = parameters.vehicle
         self._estimating, self.air.timeout = parameters.air_estimation, parameters.state_timeout
+        self._latest = min(parameters.state_timeout, LATENCY_LIMIT)
         self.respond(parameters.flown_by(parameters.response))
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         if len(self._times) != len(self._stages) + 1:
@@ -123,7 +125,7 @@ class Navigator:
         self._model = self._model.with_lags(response.lags)
         self._lag = float(self._model.lags[ACCELERATION])
         self._dead_time = response.dead_times.tolist()
-        self._history.memory = 2.0 * max(self._dead_time) + 2.0 * self.air.timeout
+        self._history.memory = 2.0 * max(self._dead_time) + 2.0 * self._latest
 
     def reset(self) -> None:
         """Forget air, target and commands."""
@@ -210,7 +212,7 @@ class Navigator:
         Args:
             delay: From the stamp of the first measurement to now in [s].
         """
-        self.latency = min(max(0.0, delay), self.air.timeout)  # in this order 0 for no number
+        self.latency = min(max(0.0, delay), self._latest)  # in this order 0 for no number
 
     def commanded(self, stamp: float, delay: float, plan: NDArray[np.float64], step: float) -> None:
         """Record a plan that has been sent.
@@ -223,7 +225,7 @@ class Navigator:
         """
         if self._engaged:
             self._history.add(stamp + delay, stamp, plan, step)
-        self.latency += LATENCY_SHARE * (min(delay, self.air.timeout) - self.latency)
+        self.latency += LATENCY_SHARE * (min(delay, self._latest) - self.latency)
 
     def estimate(self, measurement: Measurement, vehicle: NDArray[np.float64]) -> Estimate:
         """Situations and forecast of a measurement.
@@ -236,7 +238,7 @@ class Navigator:
             ValueError: No target position is known.
         """
         time, self.airspeed = measurement.stamp, float(vehicle[5])
-        delay = max(self._dead_time) + min(max(self.latency, 0.0), self.air.timeout)
+        delay = max(self._dead_time) + min(max(self.latency, 0.0), self._latest)
         track = self.target.track
         motion, ground = track.state.reshape(-1), float(track.state[0, 2])
         turning = float(track.covariance[2, 2]), track.turn_rate, *self.target.bridge(time)
