@@ -210,3 +210,14 @@ def test_plans_too_short_for_a_quarter_turn_are_warned_of():
         asked = [f"nmpc_controller.{each}" for each in (*jet, f"horizon_step={step}")]
         told = words(Controller(load_configuration("small_uav", asked).controller))
         assert any("a quarter turn takes 19.2 s" in each for each in told) is warned
+
+
+def test_states_older_than_is_counted_on_are_warned_of_once():
+    controller = Controller(load_configuration("small_uav").controller)
+    controller.see_target(0.0, np.zeros(3))
+    told = []
+    for k, late in enumerate([0.1, 0.6, 0.4, 0.7, 0.1, 0.8]):
+        state = Measurement(0.05 * k, [300.0, k, 120.0], [0.0, 22.0, 0.0], 1.57, 0.0, airspeed=22.0)
+        assert controller.step(state, 0.05 * k + late) is not None
+        told += [late for each in words(controller) if "late, of which state_timeout" in each]
+    assert told == [0.6, 0.8]

@@ -147,6 +147,7 @@ class Controller:
             self.formulation.reset()
         self._direction: str | None = self._direction if self.navigator.claimed else None
         self._solve_time: float | None = None
+        self._late = False
 
     @property
     def state_time(self) -> float | None:
@@ -308,6 +309,7 @@ class Controller:
             return None
         # A clock that stands ahead does not send later than that.
         delay = min(max(0.0, now - stamp), self.parameters.state_timeout) + taken
+        self._tell_lateness(now - stamp)
         known = target.time is not None
         forced = math.hypot(*target.track.state[2, :2].tolist()) if known else 0.0
         flown = self.response.commanded(stamp, delay, command.inputs, command.step, forced)
@@ -315,6 +317,14 @@ class Controller:
         self.flying = True
         self.rate.sent(stamp)
         return command
+
+    def _tell_lateness(self, late: float) -> None:
+        """Warn of states that are older than is counted on, once until they are half as old."""
+        most = self.parameters.state_timeout
+        if late > most and not self._late:
+            words = f"vehicle state: {late:.2f} s late, of which state_timeout counts {most:g} s"
+            self.events.add(Level.WARNING, f"{words}: raise it, or do the clocks agree?")
+        self._late = late > (0.5 * most if self._late else most)
 
     def engage(self, engaged: bool) -> None:
         """Say whether the aircraft flies the commands; while not, nothing is learnt from them.
