@@ -333,6 +333,21 @@ def test_positions_that_fail_for_a_moment_contradict_no_velocity(moved):
     assert not any(contradicted(EXPECTED, 40.0, moved)[0])
 
 
+@pytest.mark.parametrize(("gain", "wrong"), [(-1.0, True), (0.3, False), (1.0, False)])
+@pytest.mark.parametrize("noise", [0.1, 1.0])
+def test_a_vertical_velocity_of_the_other_sign_is_contradicted(gain, wrong, noise):
+    """Though it may differ by less than 3 m/s, beside heights with noise and steps."""
+    random, size = np.random.default_rng(0), 0.6 + 3.0 * noise
+    check, found = way_check(np.zeros(3), np.array([22.0, 0.0, 0.0])), []
+    for time in np.arange(STEP, 60.0, STEP):
+        climb = size * math.sin(0.7 * time)
+        height = size / 0.7 * (1.0 - math.cos(0.7 * time)) + 3.0 * (time % 20.0 > 10.0)
+        position = np.array([22.0 * time, 0.0, height]) + noise * random.standard_normal(3)
+        found.append(bool(check(STEP, position, True, [22.0, 0.0, gain * climb], noise)[0]))
+    assert found[-1] == wrong
+    assert any(found) == wrong
+
+
 @pytest.mark.parametrize("step", [0.02, 1.0])
 def test_a_turn_that_is_seldom_measured_contradicts_nothing(step):
     check = way_check([0.0, -55.0, 0.0], [22.0, 0.0, 0.0])

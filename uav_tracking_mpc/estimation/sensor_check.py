@@ -62,8 +62,12 @@ VELOCITY_CHECK = Layout(odd=1, begin=3, by_measured=3, by_expected=3)
 # m/s, and standard deviations of positions, by which the way flown may differ from that velocity
 # in each window; and s for which it then does: a position that jumps, and back, takes two windows
 CONTRARY, CONTRARY_DEVIATIONS, CONTRARY_TIME = 3.0, 6.0, 3.0
+# m/s and windows: climb of one that tells whether the height follows it, and how many count; m^2,
+# and variances of the height, that the sum of their squares must have; share of it that is against
+CLIMBING, CLIMBS = 0.3, 20.0
+LEAST_CLIMB, SURE_CLIMB, AGAINST = 1.0, 70.0, -0.3
 ALIKE = 0.5  # -, cosine between differences of successive windows: those of jumps go anywhere
-WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1)
+WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1, climbs=2)
 
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
@@ -167,12 +171,15 @@ def way_checked(
     """What is known after a ground velocity, and whether positions contradict it.
 
     They do if for :data:`CONTRARY_TIME` the way flown in each window differs, to the same side.
-    Positions that fail do so for a moment, or repeat themselves.
+    Positions that fail do so for a moment, or repeat themselves. A vertical velocity of the other
+    sign differs by little at first, and the more the aircraft is steered by it: they contradict one
+    as well if heights mostly change against it.
 
     Args:
         known: By :data:`WAY_CHECK`: for how long this window lasts [s], where it began, the way by
             the velocity since then [m], the velocity before [m/s], by how much the way of the
-            window before differed [m], for how long windows have contradicted the velocity [s].
+            window before differed [m], for how long windows have contradicted the velocity [s],
+            sums over windows of c h and c^2, with the climb c and as much of the height's h [m^2].
         elapsed: Since the measurement before in [s].
         position: As measured, shape (3,), in [m].
         fresh: 1 where one is measured that is not the one before, else 0.
@@ -191,6 +198,12 @@ def way_checked(
     contrary = ca.if_else(error > limit, contrary, 0.0)
     contrary = ca.if_else(kept, known.contrary, contrary)
     begins = ca.logic_or(full, ca.logic_not(fresh))
+    climb, most = way[2], ca.fabs(way[2])
+    height = ca.fmin(ca.fmax(position[2] - known.begin[2], -most), most)
+    climbs = math.exp(-1.0 / CLIMBS) * known.climbs + climb * ca.vertcat(height, climb)
+    climbs = ca.if_else(full * (most > CLIMBING * time), climbs, known.climbs)
+    against = climbs[0] < AGAINST * climbs[1]
+    against *= climbs[1] > LEAST_CLIMB + SURE_CLIMB * deviation**2
     after = SimpleNamespace(
         time=ca.if_else(begins, 0.0, time),
         begin=ca.if_else(begins, position, known.begin),
@@ -198,8 +211,10 @@ def way_checked(
         before=measured,
         error=ca.if_else(full, difference, known.error),
         contrary=ca.if_else(full, contrary, known.contrary),
+        climbs=climbs,
     )
-    return WAY_CHECK.joined(after), after.contrary >= CONTRARY_TIME
+    wrong = ca.logic_or(after.contrary >= CONTRARY_TIME, against)
+    return WAY_CHECK.joined(after), wrong
 
 
 def is_fresh(known: SimpleNamespace, position: ca.SX, present: ca.SX) -> ca.SX:

@@ -223,18 +223,20 @@ def test_a_height_that_is_stuck_is_carried_on_by_the_velocity(plant):
     assert {each.sensor for each in log.sensors} <= {"position"}
 
 
-def test_without_a_vertical_velocity_the_altitude_is_kept(monkeypatch):
-    """A source that measures none leaves it at 0."""
+@pytest.mark.parametrize(("told", "state"), [(0.0, "stuck"), (-1.0, "off")])
+def test_with_no_vertical_velocity_or_one_of_the_other_sign_the_altitude_is_kept(
+    told, state, monkeypatch
+):
+    """A source that measures none leaves it at 0; another one counts down."""
     step = Controller.step
 
-    def level(self, seen, *rest):
-        return step(
-            self, dataclasses.replace(seen, ground_velocity=seen.ground_velocity * [1, 1, 0]), *rest
-        )
+    def mistaken(self, seen, *rest):
+        velocity = seen.ground_velocity * [1.0, 1.0, told]
+        return step(self, dataclasses.replace(seen, ground_velocity=velocity), *rest)
 
-    monkeypatch.setattr(Controller, "step", level)
+    monkeypatch.setattr(Controller, "step", mistaken)
     log = flown_two_minutes("vehicle", "gust_intensity=2.0")
-    assert [(each.sensor, each.state) for each in log.sensors] == [("ground velocity", "stuck")]
+    assert [(each.sensor, each.state) for each in log.sensors] == [("ground velocity", state)]
     assert np.abs(log.error[log.time > 60.0, 0]).max() < 1.0
 
 
