@@ -90,6 +90,33 @@ def test_a_vertical_velocity_that_does_not_change_as_the_aircraft_climbs_is_stuc
         assert abs(off - STUCK_CLIMB) < 0.2 or air.stuck == (False, off > STUCK_CLIMB)
 
 
+@pytest.mark.parametrize(
+    ("airspeed", "ground", "impossible"),
+    [
+        (27.0, 5.0, False),
+        (29.0, 5.0, True),
+        (9.0, 20.0, True),
+        (9.0, 8.0, False),
+        (11.0, 20.0, False),
+    ],
+)
+def test_an_airspeed_at_which_nobody_flies_is_left_out(airspeed, ground, impossible):
+    """From 14 to 22 m/s, a quarter beyond; on the ground a low one is right."""
+    air = AirData(0.5)
+    air.limits = 14.0, 22.0
+    seen = Measurement(0.0, np.zeros(3), np.array([ground, 0.0, 0.0]), 0.0, 0.0, airspeed=airspeed)
+    air.see_state(seen)
+    assert (air.impossible, air.missing) == (impossible, impossible)
+
+
+def test_an_airspeed_that_was_impossible_must_agree_before_it_is_used_again():
+    air = AirData(0.5)
+    air.limits, air.estimated = (14.0, 22.0), 16.0
+    for airspeed, impossible in ((31.0, True), (24.0, True), (17.0, False), (24.0, False)):
+        air.see_state(replace(measurement(), airspeed=airspeed))
+        assert air.impossible == impossible
+
+
 def test_reset_forgets():
     air = AirData(0.5)
     air.see(10.0, 20.0)

@@ -37,6 +37,11 @@ STUCK_TIME, STUCK_TURN, STUCK_CLIMB = 0.7, 0.04, 3.0
 NOISE_MULTIPLE = 6.0  # -, standard deviations of a height that are no climb
 
 
+# -, times the least and the greatest airspeed of the aircraft: what reads beyond is wrong, as knots
+# for m/s are, which read 1.9 times as much; and times what stands in for it, to be used again
+POSSIBLE = 0.75, 1.25
+
+
 class Repetition:
     """Whether a reading stays the same to the last bit while it must change.
 
@@ -86,10 +91,12 @@ class AirData:
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
         stuck: Whether the heading is stuck, and whether the ground velocity is.
+        limits: Least and greatest airspeed of the aircraft in [m/s].
+        impossible: Whether an airspeed is left out because it cannot fly at it.
     """
 
     def __init__(self, timeout: float) -> None:
-        self.timeout = timeout
+        self.timeout, self.limits = timeout, (0.0, math.inf)
         self._path = FlightPath()
         self.reset()
 
@@ -115,6 +122,7 @@ class AirData:
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose: tuple[float, float] | None = None
         self.estimated = 0.0
+        self.impossible = False
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -147,6 +155,8 @@ class AirData:
         near = any(abs(each - self._stamp) <= self.timeout for each in (stamp, self._before))
         if airspeed is None and near:
             airspeed = self._airspeed
+        self.impossible = self._is_impossible(airspeed, measurement)
+        airspeed = None if self.impossible else airspeed
         self.missing = airspeed is None
         if airspeed is not None or self._first is None:
             self._first = measurement.stamp if airspeed is None else -math.inf
@@ -167,6 +177,16 @@ class AirData:
             return of_path, of_path.state(speed)
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
         return of_path, np.array([*measurement.position, heading, path_angle, speed])
+
+    def _is_impossible(self, airspeed: float | None, measurement: Measurement) -> bool:
+        """Whether nobody flies at an airspeed, or it does not agree yet with what stood in."""
+        if airspeed is None:
+            return False
+        (low, high), (least, most) = POSSIBLE, self.limits
+        flies = math.hypot(*measurement.ground_velocity.tolist()) > low * least
+        if airspeed > high * most or (airspeed < low * least and flies):
+            return True
+        return self.impossible and not low <= airspeed / max(self.estimated, SLOW) <= high
 
     def _compare(self, measurement: Measurement, elapsed: float) -> None:
         """Whether heading and ground velocity change as the aircraft does."""

@@ -31,7 +31,14 @@ from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
-from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, POSITION, SILENT, USED, VELOCITY
+from uav_tracking_mpc.estimation.sensor_health import (
+    AIRSPEED,
+    OFF,
+    POSITION,
+    SILENT,
+    USED,
+    VELOCITY,
+)
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -113,6 +120,8 @@ class Navigator:
         if len(self._times) != len(self._stages) + 1:
             self._times = np.zeros(len(self._stages) + 1)
             self._outlook = Outlook(len(self._times), REWIND)
+        if parameters.air_estimation:  # something stands in for an airspeed that is left out
+            self.air.limits = parameters.airspeed_min, parameters.airspeed_max
         self.air.hold_altitude(self._model.commanded == 1)
         self.target.tune(parameters.target_noise, parameters.target_agility)
 
@@ -273,6 +282,8 @@ class Navigator:
             states = self.air_estimate.health.states
             self.air.failed = states[AIRSPEED] not in (USED, SILENT)
             self.air.velocity_failed = states[VELOCITY] != USED
+            if self.air.impossible:
+                states[AIRSPEED] = OFF
             self.air.estimated = float(found.vehicle[5])
             return found
         if not measurement.placed:

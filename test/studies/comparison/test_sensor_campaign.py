@@ -223,21 +223,35 @@ def test_a_height_that_is_stuck_is_carried_on_by_the_velocity(plant):
     assert {each.sensor for each in log.sensors} <= {"position"}
 
 
-@pytest.mark.parametrize(("told", "state"), [(0.0, "stuck"), (-1.0, "off")])
-def test_with_no_vertical_velocity_or_one_of_the_other_sign_the_altitude_is_kept(
-    told, state, monkeypatch
-):
-    """A source that measures none leaves it at 0; another one counts down."""
+def climbing(share):
+    return lambda seen: {"ground_velocity": seen.ground_velocity * [1.0, 1.0, share]}
+
+
+def reading(share):
+    return lambda seen: {"airspeed": share * seen.airspeed}
+
+
+@pytest.mark.parametrize(
+    ("told", "sensor", "state"),
+    [
+        (climbing(0.0), "ground velocity", "stuck"),  # nothing measures it
+        (climbing(-1.0), "ground velocity", "off"),  # counted down
+        (reading(1.94), "airspeed", "off"),  # knots
+        (reading(0.28), "airspeed", "off"),  # m/s taken for km/h
+    ],
+)
+def test_mistakes_in_what_a_source_tells_are_found_from_the_start(told, sensor, state, monkeypatch):
     step = Controller.step
 
     def mistaken(self, seen, *rest):
-        velocity = seen.ground_velocity * [1.0, 1.0, told]
-        return step(self, dataclasses.replace(seen, ground_velocity=velocity), *rest)
+        return step(self, dataclasses.replace(seen, **told(seen)), *rest)
 
     monkeypatch.setattr(Controller, "step", mistaken)
     log = flown_two_minutes("vehicle", "gust_intensity=2.0")
-    assert [(each.sensor, each.state) for each in log.sensors] == [("ground velocity", state)]
+    assert [(each.sensor, each.state) for each in log.sensors] == [(sensor, state)]
     assert np.abs(log.error[log.time > 60.0, 0]).max() < 1.0
+    assert log.vehicle[:, 5].min() > 16.0
+    assert log.vehicle[:, 5].max() < 32.0
 
 
 @pytest.mark.parametrize(
