@@ -170,7 +170,7 @@ def test_where_there_is_chance_five_seeds_fly_and_of_weaving_three_periods():
 SOONER = 95.0  # s
 SAID = {
     "airspeed_plus_3": [("airspeed", "stuck")],
-    "airspeed_zero": [("airspeed", "jumped")],
+    "airspeed_zero": [("airspeed", "off")],
     "heading_30": [("heading", "jumped")],
     "velocity_flip": [("ground velocity", "off"), ("ground velocity", "used")],
     "position_frozen": [("position", "stuck"), ("position", "used")],
