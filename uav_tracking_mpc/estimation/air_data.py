@@ -28,13 +28,13 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
+from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
 # s, rad and m, for which an aircraft turns, by its gyros, or climbs otherwise than is told, while
 # one may repeat itself that is not stuck: as one does that is read less often than states are sent
 STUCK_TIME, STUCK_TURN, STUCK_CLIMB = 0.7, 0.04, 3.0
-NOISE_MULTIPLE = 6.0  # -, standard deviations of a height that are no climb
 
 
 # -, times the least and the greatest airspeed of the aircraft: what reads beyond is wrong, as knots

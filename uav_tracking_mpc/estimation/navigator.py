@@ -49,8 +49,8 @@ ROUNDING = 1e-9  # -, of a count of steps
 LATENCY_LIMIT = 1.5  # s, counted on at most: a greater one is that of a clock
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
 ACCELERATION = 2  # axis of u_v among the inputs
-# m/s by which a position that is carried on goes astray: by the ground velocity, and by the air
-# velocity and wind in its place; and m from which on nobody should fly by it
+# m/s, m/s, m: how quickly a position that is carried on goes astray by the ground velocity, and by
+# air velocity and wind in its place; and how far, from which on nobody should fly by it
 ASTRAY, BY_WIND, LOST = 0.3, 1.5, 30.0
 
 

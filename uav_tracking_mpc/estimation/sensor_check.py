@@ -62,9 +62,10 @@ VELOCITY_CHECK = Layout(odd=1, begin=3, by_measured=3, by_expected=3)
 # m/s, and standard deviations of positions, by which the way flown may differ from that velocity
 # in each window; and s for which it then does: a position that jumps, and back, takes two windows
 CONTRARY, CONTRARY_DEVIATIONS, CONTRARY_TIME = 3.0, 6.0, 3.0
-# m/s and windows: climb of one that tells whether the height follows it, and how many count; m^2,
-# and variances of the height, that the sum of their squares must have; share of it that is against
+# m/s, -: climb of a window that tells whether the height follows it, and how many windows count
 CLIMBING, CLIMBS = 0.3, 20.0
+# m^2, -, -: what the sum of their squares must have, besides so many variances of the height; and
+# share of it from which on the heights are against them
 LEAST_CLIMB, SURE_CLIMB, AGAINST = 1.0, 70.0, -0.3
 ALIKE = 0.5  # -, cosine between differences of successive windows: those of jumps go anywhere
 WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1, climbs=2)

@@ -28,7 +28,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementErro
 SPEED_LIMIT = 500.0  # m/s over ground; a faster change of position is a jump
 FASTER = 2.0  # -, times the ground velocity before a gap, that explain a jump after it
 JUMP_MIN = 50.0  # m; a smaller change of position is never a jump
-NOISE_MULTIPLE = 6.0  # -, standard deviations of the position that are no jump either
+NOISE_MULTIPLE = 6.0  # -, standard deviations of a position that are no jump and no climb either
 REPEATING = 0.5  # s after which a state that repeats itself, though the aircraft moves, is none
 AGES = 20  # states in a row, of which the one that was the least old tells how the clocks differ
 AGREEING = 3  # outliers in a row, each consistent with the one before, that are a fact

@@ -129,6 +129,13 @@ def test_rows_of_mismatches_say_what_is_asked_as_shares_too():
     assert [row[1:] for row in others.rows] == laws
 
 
+def test_without_the_law_whose_shares_are_asked_for_nothing_is_reached():
+    both = mistold("gust_light")
+    alone = replace(both, flights={"nmpc": both.flights["nmpc"]})
+    assert not alone.missed
+    assert comparison_table([alone], MISTOLD).rows[0][-2:] == ["(0.7, 1.25 x l1)", "not compared"]
+
+
 @pytest.mark.parametrize(
     ("flown", "kind", "words"),
     [(compared, SCENARIOS, ("[s]", "gusts", "missed")), (mistold, MISTOLD, ("lag_2", "off plan"))],

@@ -365,9 +365,14 @@ def _cell(flight: Measures, name: str, form: str) -> str:
 
 def _verdict(scenario: Scenario) -> tuple[str, str]:
     """What is asked, and whether it is reached."""
-    if scenario.asked is None:
+    asked, known = scenario.asked, scenario.known
+    if asked is None:
         return "", ""
-    return scenario.asked.words(scenario.known), "missed" if scenario.missed else "reached"
+    verdict = "missed" if scenario.missed else "reached"
+    alone = isinstance(asked, Asked) and asked.relative and not asked.resolved(known).law
+    if alone and verdict == "reached":
+        verdict = "not compared"  # the law whose shares are asked for was not flown
+    return asked.words(known), verdict
 
 
 def news_of_sensors(scenarios: Sequence[Scenario]) -> list[str]:
