@@ -64,7 +64,19 @@ from uav_tracking_mpc.estimation.sensor_health import (
     VELOCITY,
     SensorHealth,
 )
-from uav_tracking_mpc.estimation.wind_filter import ALPHA, BETA, DIAGONAL, LANE, B, G, P, T, W
+from uav_tracking_mpc.estimation.wind_filter import (
+    AIRSPEED_SHARE,
+    ALPHA,
+    BETA,
+    DIAGONAL,
+    LANE,
+    SHARES,
+    B,
+    G,
+    P,
+    T,
+    W,
+)
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
 from uav_tracking_mpc.symbolic.layout import Layout
 
@@ -150,7 +162,9 @@ class AirEstimate:
     def _begin_filters(self) -> None:
         """Nothing is known of the wind."""
         for lane in LANES:
-            getattr(self._known, lane)[:] = wind_filter.initial_lane()
+            # Without the heading a large share cannot be told from wind.
+            share = SHARES[0] if lane == LANES[NO_HEADING] else AIRSPEED_SHARE
+            getattr(self._known, lane)[:] = wind_filter.initial_lane(share)
         self._known.meters[:] = wind_filter.METERS.initial()
         self._known.quick[:] = self._found.without[:] = self._found.known[:] = 0.0
         self._time: float | None = None

@@ -114,11 +114,15 @@ FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
 FOLLOWER = Layout(place=3, velocity=3)
 
 
-def initial_lane() -> NDArray[np.float64]:
-    """What a filter knows before anything is measured, shape (LANE.size,)."""
+def initial_lane(share: float) -> NDArray[np.float64]:
+    """What a filter knows before anything is measured, shape (LANE.size,).
+
+    Args:
+        share: Standard deviation of alpha [-].
+    """
     memory = np.zeros(LANE.size)
     deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
-    prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, AIRSPEED_SHARE, HEADING_BIAS]
+    prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, share, HEADING_BIAS]
     LANE.parts(memory).triangle[DIAGONAL] = np.square(prior)
     return memory
 
