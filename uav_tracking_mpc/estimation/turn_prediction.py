@@ -30,14 +30,9 @@ it.
 
 from __future__ import annotations
 
-import functools
-import threading
-
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-
-from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
 TURN_RATE_MAX = 1.0  # rad/s
 SPEED_TIME = 2.0  # s, tau: vehicles change their speed for a few seconds
@@ -61,12 +56,8 @@ def predict_turn(
     Returns:
         Shape (3, n, 3): positions, velocities, accelerations.
     """
-    turns = _kept.of(len(leads))
-    told = state.reshape(-1), covariance[2, 2], turn_rate, leads
-    for kept, values in zip(turns.arguments, told, strict=True):
-        kept[:] = values
-    turns.evaluate()
-    return turns.results[0].reshape(len(leads), 3, 3).swapaxes(0, 1).copy()
+    columns = _TURN(state.reshape(-1), covariance[2, 2], turn_rate, leads[np.newaxis])
+    return np.array(columns).reshape(3, 3, -1).swapaxes(1, 2)
 
 
 def turned(motion: ca.SX, variance: ca.SX, turn_rate: ca.SX, lead: ca.SX) -> list[ca.SX]:
@@ -124,21 +115,5 @@ def _quotient(dividend: tuple[ca.SX, ca.SX], rate: ca.SX) -> tuple[ca.SX, ca.SX]
     )
 
 
-@functools.lru_cache(maxsize=8)
-@one_at_a_time
-def _turns(count: int) -> ca.Function:
-    """Of as many times ahead."""
-    symbols = [ca.SX.sym(name, size) for name, size in (("m", 9), ("q", 1), ("w", 1), ("t", 1))]
-    turn = ca.Function("turn", symbols, [ca.densify(ca.vertcat(*turned(*symbols)))])
-    return turn.map("turns", "serial", count, [0, 1, 2], [])
-
-
-class _Kept(threading.local):
-    """Threads share the functions, and no array of them."""
-
-    def __init__(self) -> None:
-        self.of = functools.lru_cache(maxsize=8)(lambda count: BufferedFunction(_turns(count)))
-
-
-_kept = _Kept()
-_turns(1)  # that of every measurement: made before a flight, not in it
+_SYMBOLS = [ca.SX.sym(name, size) for name, size in (("m", 9), ("q", 1), ("w", 1), ("t", 1))]
+_TURN = ca.Function("turn", _SYMBOLS, [ca.densify(ca.vertcat(*turned(*_SYMBOLS)))])
