@@ -117,16 +117,6 @@ def test_an_airspeed_that_was_impossible_must_agree_before_it_is_used_again():
         assert air.impossible == impossible
 
 
-def test_an_airspeed_that_is_known_to_read_too_much_is_told_once_and_judged_without_it():
-    air = AirData(0.5)
-    air.limits, air.estimated = (14.0, 22.0), 20.0
-    air.share = 1.0 / 3.0
-    air.see_state(replace(measurement(), airspeed=30.0))
-    assert not air.impossible
-    words = "the airspeed reads 1.50 times the true one, which is taken out of it"
-    assert [air.complaint() for _ in range(2)] == [words, ""]
-
-
 def test_reset_forgets():
     air = AirData(0.5)
     air.see(10.0, 20.0)

@@ -260,7 +260,7 @@ BIASES = {
 @pytest.mark.parametrize("bias", BIASES)
 def test_a_constant_bias_is_taken_out_of_the_situation(bias):
     """A tenth of it is left after two turns, of the wind or of the turn rate."""
-    estimate, truth, wind = flight_in_air([bias], until=110.0)[-1]
+    estimate, truth, wind = flight_in_air([bias], until=100.0)[-1]
     present = estimate.present
     error = present.drift - wind  # the target stands
     if bias.startswith("turn_rate"):

@@ -40,7 +40,6 @@ STUCK_TIME, STUCK_TURN, STUCK_CLIMB = 0.7, 0.04, 3.0
 # -, times the least and the greatest airspeed of the aircraft: what reads beyond is wrong, as knots
 # for m/s are, which read 1.9 times as much; and times what stands in for it, to be used again
 POSSIBLE = 0.75, 1.25
-TOLD_SHARE = 0.15  # -, from which on it is told by how much an airspeed is wrong
 
 
 class Repetition:
@@ -90,7 +89,6 @@ class AirData:
         nose: Where it points in [rad] and how it turns in [rad/s], where it is the bank that tells
             how the path does.
         estimated: Airspeed that was estimated last in [m/s].
-        share: By which the airspeed that is measured is known to read too much, [-].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
         stuck: Whether the heading is stuck, and whether the ground velocity is.
         limits: Least and greatest airspeed of the aircraft in [m/s].
@@ -115,7 +113,6 @@ class AirData:
         self._stamp, self._airspeed = -math.inf, math.nan
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
         self.missing = self.awaited = self._told = self._doubted = False
-        self._corrected = False
         self._path.reset()
         self._heading, self._velocity, self._climb = (Repetition() for _ in range(3))
         self._height = math.nan
@@ -124,7 +121,7 @@ class AirData:
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose: tuple[float, float] | None = None
-        self.estimated = self.share = 0.0
+        self.estimated = 0.0
         self.impossible = False
 
     def see(self, stamp: float, airspeed: float) -> None:
@@ -185,7 +182,6 @@ class AirData:
         """Whether nobody flies at an airspeed, or it does not agree yet with what stood in."""
         if airspeed is None:
             return False
-        airspeed *= 1.0 - self.share
         (low, high), (least, most) = POSSIBLE, self.limits
         flies = math.hypot(*measurement.ground_velocity.tolist()) > low * least
         if airspeed > high * most or (airspeed < low * least and flies):
@@ -228,9 +224,6 @@ class AirData:
         if self._path.contradicted and not self._doubted:
             self._doubted = True
             return "the nose turns against the bank: the attitude is taken for the direction flown"
-        if abs(self.share) > TOLD_SHARE and not self._corrected:
-            self._corrected, ratio = True, 1.0 / (1.0 - self.share)
-            return f"the airspeed reads {ratio:.2f} times the true one, which is taken out of it"
         if self._told or self.awaited or not self.missing or wind_known:
             return ""
         self._told = True

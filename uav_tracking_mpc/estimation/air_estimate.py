@@ -64,26 +64,19 @@ from uav_tracking_mpc.estimation.sensor_health import (
     VELOCITY,
     SensorHealth,
 )
-from uav_tracking_mpc.estimation.wind_filter import (
-    AIRSPEED_SHARE,
-    ALPHA,
-    BETA,
-    DIAGONAL,
-    LANE,
-    SHARES,
-    B,
-    G,
-    P,
-    T,
-    W,
-)
+from uav_tracking_mpc.estimation.wind_filter import ALPHA, BETA, DIAGONAL, LANE, B, G, P, T, W
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
 from uav_tracking_mpc.symbolic.layout import Layout
 
 LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothing of it
+# m/s, standard deviations of what is not measured. Along the way enough that in hours nothing is
+# known of the wind there; of a heading no more than what a linearised turn bears.
+BLIND, WITHOUT_AIRSPEED = 100.0, 1e4
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 MAIN, NO_AIRSPEED, NO_HEADING = range(3)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
+# Of their covariance
+LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each in (W, G))
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
@@ -104,8 +97,8 @@ MEMORY = Layout(
     ground=3,
 )
 FOUND = Layout(
-    state=wind_filter.SIZE, position=3, angles=2, airspeed=1, rates=3, gust=3, times=3, states=4,
-    snapped=1, changed=1, without=3, known=1, deviation=1, walk=1,
+    position=3, angles=2, airspeed=1, rates=3, wind=3, trend=3, gust=3, times=3,
+    states=4, snapped=1, changed=1, without=3, known=1, deviation=1, walk=1,
 )  # fmt: skip
 
 
@@ -162,9 +155,7 @@ class AirEstimate:
     def _begin_filters(self) -> None:
         """Nothing is known of the wind."""
         for lane in LANES:
-            # Without the heading a large share cannot be told from wind.
-            share = SHARES[0] if lane == LANES[NO_HEADING] else AIRSPEED_SHARE
-            getattr(self._known, lane)[:] = wind_filter.initial_lane(share)
+            getattr(self._known, lane)[:] = wind_filter.initial_lane()
         self._known.meters[:] = wind_filter.METERS.initial()
         self._known.quick[:] = self._found.without[:] = self._found.known[:] = 0.0
         self._time: float | None = None
@@ -188,27 +179,27 @@ class AirEstimate:
     @property
     def mean_wind(self) -> NDArray[np.float64]:
         """w, shape (3,), in [m/s]."""
-        return self._found.state[W].copy()
+        return self._filter.state[W].copy()
 
     @property
     def gust(self) -> NDArray[np.float64]:
         """G at the newest measurement, shape (3,), in [m/s]."""
-        return self._found.state[G].copy()
+        return self._filter.state[G].copy()
 
     @property
     def ground_velocity_bias(self) -> NDArray[np.float64]:
         """b, shape (3,), in [m/s]."""
-        return self._found.state[B].copy()
+        return self._filter.state[B].copy()
 
     @property
     def airspeed_share(self) -> float:
         """alpha, [-]."""
-        return float(self._found.state[ALPHA])
+        return float(self._filter.state[ALPHA])
 
     @property
     def heading_bias(self) -> float:
         """Beta in [rad]."""
-        return float(self._found.state[BETA])
+        return float(self._filter.state[BETA])
 
     def update(
         self,
@@ -294,8 +285,8 @@ class AirEstimate:
         return AircraftInAir(
             np.concatenate([found.position, found.angles, found.airspeed]),
             found.rates.copy(),
-            self.mean_wind,
-            np.append(found.state[T], 0.0),
+            found.wind.copy(),
+            found.trend.copy(),
             found.gust.copy(),
             found.times.copy(),
             float(found.walk[0]),
@@ -313,8 +304,7 @@ def _step() -> ca.Function:
     place = POSITION_CHECK.parts(known.place)
 
     # Ground velocity, compared with what is expected before airspeed and heading are
-    believed = [wind_filter.believed(lane) for lane in lanes]
-    state = believed[MAIN][0]
+    state = main.state
     variance = ca.sum1(main.triangle[DIAGONAL[W.start : B.stop].tolist()])
     deviation = ca.sqrt(ca.fmax(variance + ca.mmax(seen.velocity_noise) ** 2, 0.0))
     expected = main.air + state[W] + state[G] + state[B]
@@ -358,8 +348,9 @@ def _step() -> ca.Function:
     )
     compass, strayed = compass_check.strayed(compass, dt, seen.compass, seen.turn_told)
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
-    u = [(used_ground - known[B] - known[W])[:2] for known, _ in believed[1:]]
-    level_variances = ca.vertcat(*[ca.mmax(variances) for _, variances in believed[1:]])
+    u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
+    level_wind = [lane.triangle[LEVEL_WIND] for lane in lanes[1:]]
+    level_variances = ca.vertcat(*[ca.mmax(each) for each in level_wind])
     wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
     blind = lanes[NO_AIRSPEED].state
     air, out, turned, along = sensor_check.air_checked(
@@ -379,8 +370,8 @@ def _step() -> ca.Function:
     )
     reasons = AIR_CHECK.parts(air).reasons
     by_wind = turned, along / level
-    heading = ca.if_else(out[1], by_wind[0] + state[BETA], heading)  # as the sensors would read
-    airspeed = ca.if_else(out[0], by_wind[1] / (1.0 - state[ALPHA]), seen.airspeed)
+    heading = ca.if_else(out[1], by_wind[0], heading)
+    airspeed = ca.if_else(out[0], by_wind[1], seen.airspeed)
     motion = ca.vertcat(heading, seen.path_angle, airspeed)
     aided = rate_aided.smoothed(
         RATE_AIDED.parts(known.aided), dt, motion, seen.rates, seen.noise, seen.biased
@@ -408,9 +399,8 @@ def _step() -> ca.Function:
         )
         velocity_through = ca.vertcat(*vehicle_model.air_velocity(*guess, ca))
         no_airspeed = 1.0 if which == NO_AIRSPEED else out[0]
-        guessed = ca.vertcat(no_airspeed, 1.0 if which == NO_HEADING else out[1])
-        through = velocity_through, seen.scales, heading, guessed
-        ahead.append(wind_filter.predicted(lane, dt, *through, walks))
+        loose = _loose(heading, no_airspeed, 1.0 if which == NO_HEADING else out[1])
+        ahead.append(wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, walks))
     expected = wind_filter.expected_velocity(ahead[MAIN])
     ground = ca.if_else(odd, ca.if_else(no_airspeed_used, by_positions, expected), seen.ground)
     sample = wind_filter.sampled(ahead[MAIN], position, ground)
@@ -423,15 +413,13 @@ def _step() -> ca.Function:
         ca.fmax(variances[wind_filter.POSITION] * share, wind_filter.POSITION_NOISE**2),
         *[ca.fmax(variances[k], wind_filter.VELOCITY_NOISE**2) for k in (0, 0, 1)],
     )
-    noise[3:] += (
-        odd * ca.if_else(no_airspeed_used, wind_filter.FOLLOWED_DEVIATION, wind_filter.BLIND) ** 2
-    )
+    noise[3:] += odd * ca.if_else(no_airspeed_used, wind_filter.FOLLOWED_DEVIATION, BLIND) ** 2
     read = ca.vertcat(position, ground)
     after = [wind_filter.corrected(lane, read, noise) for lane in ahead]
 
     main, blind = LANE.parts(after[MAIN]), LANE.parts(after[NO_AIRSPEED])
-    state, _ = wind_filter.believed(main)
-    (_, unknown), level_gust = wind_filter.believed(blind), blind.triangle[wind_filter.LEVEL_GUST]
+    state = main.state
+    unknown = ca.mmax(blind.triangle[LEVEL_WIND]) + ca.mmax(blind.triangle[LEVEL_GUST])
     quick, gust = wind_filter.lasting_gust(
         wind_filter.QUICK.parts(known.quick), dt, state[G], ahead[MAIN]
     )
@@ -449,20 +437,38 @@ def _step() -> ca.Function:
         ground=used_ground,
     )
     found = SimpleNamespace(
-        state=state,
         position=state[P] + placed.faded,
         angles=ca.vertcat(ca.remainder(heading - state[BETA], math.tau), path_angle),
         airspeed=airspeed * (1.0 - state[ALPHA]),
         rates=ca.vertcat(seen.rates[:2] - aided.bias[:2], seen.rates[2]),
+        wind=state[W],
+        trend=ca.vertcat(state[T], 0.0),
         gust=gust,
         times=ahead[MAIN].times,
         states=ca.vertcat(reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])),
         snapped=snapped,
         changed=changed,
         without=blind.state[W],
-        known=ca.mmax(unknown) <= sensor_check.WIND_KNOWN**2,
-        deviation=ca.sqrt(ca.fmax(ca.mmax(unknown) + ca.mmax(level_gust), 0.0)),
+        known=ca.mmax(blind.triangle[LEVEL_WIND]) <= sensor_check.WIND_KNOWN**2,
+        deviation=ca.sqrt(ca.fmax(unknown, 0.0)),
         walk=walks[0],
     )
     results = [MEMORY.joined(remembered), FOUND.joined(found)]
     return ca.Function("air_estimate", [memory, measured], results)
+
+
+def _loose(heading: ca.SX, airspeed: ca.SX | float, across: ca.SX | float) -> ca.SX:
+    """Directions in which the air velocity is not measured, times the deviation, shape (3, 2).
+
+    Args:
+        heading: That is gone by in [rad].
+        airspeed: Whether the airspeed is not.
+        across: Whether the heading is not.
+    """
+    east, north = ca.cos(heading), ca.sin(heading)
+    along, across = WITHOUT_AIRSPEED * airspeed, BLIND * across
+    return ca.vertcat(
+        ca.horzcat(along * east, -across * north),
+        ca.horzcat(along * north, across * east),
+        ca.SX.zeros(1, 2),
+    )

@@ -285,7 +285,6 @@ class Navigator:
             if self.air.impossible:
                 states[AIRSPEED] = OFF
             self.air.estimated = float(found.vehicle[5])
-            self.air.share = self.air_estimate.airspeed_share
             return found
         if not measurement.placed:
             raise ValueError("no position is measured")

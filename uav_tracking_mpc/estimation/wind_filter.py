@@ -24,9 +24,6 @@ velocity,
     p' = a - \alpha a - \beta\, e_z \times a + w + g,\qquad
     p_{measured} = p,\qquad v_{measured} = p' + b.
 
-Most airspeeds read a few percent too much or too little, some a fifth or a half: a wide prior of
-alpha would take gusts for it, a narrow one an airspeed that is wrong for wind (:func:`believed`).
-
 The mean wind has a level trend t, :math:`w' = t`, that is forgotten slowly: a wind that turns is
 followed without a lag. In a direction in which a is a guess, both the velocity and the way that was
 flown are as uncertain as the guess.
@@ -56,9 +53,7 @@ from uav_tracking_mpc.symbolic.layout import Layout
 
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
-AIRSPEED_SHARE, HEADING_BIAS = 0.1, 0.02  # -, rad
-# -, -: the former of an airspeed that is sound, and of one that is not; and how likely that is
-SHARES, CHANCES = (0.02, 0.2), (0.9, 0.1)
+AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
 # How much what is constant may wander
 WIND_WALK, GROUND_WALK = 0.03, 0.01  # m/s per root of s
 SHARE_WALK = 2e-4  # 1/s^0.5
@@ -66,14 +61,10 @@ HEADING_WALK = 2e-4  # rad per root of s
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
 TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how long it lasts
-# m/s, standard deviations of what is not measured. Along the way enough that in hours nothing is
-# known of the wind there; of a heading no more than what a linearised turn bears.
-BLIND, WITHOUT_AIRSPEED = 100.0, 1e4
 # Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
 AVERAGING_TIME = 5.0  # s
-SPEED_TIME = 60.0  # s, likewise of its amount: slow gusts change it as well
 STEADY_SHARE = 0.1  # -, of the airspeed, that the air velocity may be apart from its average
 
 P, W, G, B = (slice(3 * k, 3 * k + 3) for k in range(4))
@@ -81,12 +72,9 @@ T = slice(12, 14)
 ALPHA, BETA, SIZE = 14, 15, 16  # -, index of both, and how many states
 # What one filter knows: air velocity before, its average, turn rate of that, the state
 # (p, w, g, b, t, alpha, beta), and the upper triangle of its covariance by columns.
-LANE = Layout(air=3, steady=3, speed=1, turn_rate=1, state=SIZE, triangle=SIZE * (SIZE + 1) // 2)
+LANE = Layout(air=3, steady=3, turn_rate=1, state=SIZE, triangle=SIZE * (SIZE + 1) // 2)
 _ROWS, _COLUMNS = (index.T[np.tril_indices(SIZE)] for index in np.indices((SIZE, SIZE)))
 DIAGONAL = np.flatnonzero(_ROWS == _COLUMNS)
-# Of the covariance: alpha with all states, and level winds and gusts with themselves
-_OF_ALPHA = [k for k, (r, c) in enumerate(zip(_ROWS, _COLUMNS, strict=True)) if ALPHA in (r, c)]
-LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each in (W, G))
 _OF_POSITION = np.flatnonzero(P.stop > _ROWS)
 METERS = NoiseMeters(
     [
@@ -114,15 +102,11 @@ FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
 FOLLOWER = Layout(place=3, velocity=3)
 
 
-def initial_lane(share: float) -> NDArray[np.float64]:
-    """What a filter knows before anything is measured, shape (LANE.size,).
-
-    Args:
-        share: Standard deviation of alpha [-].
-    """
+def initial_lane() -> NDArray[np.float64]:
+    """What a filter knows before anything is measured, shape (LANE.size,)."""
     memory = np.zeros(LANE.size)
     deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
-    prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, share, HEADING_BIAS]
+    prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, AIRSPEED_SHARE, HEADING_BIAS]
     LANE.parts(memory).triangle[DIAGONAL] = np.square(prior)
     return memory
 
@@ -144,13 +128,7 @@ def begin_position(
 
 
 def predicted(
-    lane: SimpleNamespace,
-    elapsed: ca.SX,
-    air: ca.SX,
-    scales: ca.SX,
-    heading: ca.SX,
-    guessed: ca.SX,
-    walks: ca.SX,
+    lane: SimpleNamespace, elapsed: ca.SX, air: ca.SX, scales: ca.SX, loose: ca.SX, walks: ca.SX
 ) -> SimpleNamespace:
     """A filter after a time, before it is corrected.
 
@@ -159,8 +137,7 @@ def predicted(
         elapsed: In [s]; 0 where the flight begins.
         air: a as it is measured now, shape (3,), in [m/s].
         scales: Lengths of gusts on each axis, shape (3,), in [m].
-        heading: That a has in [rad].
-        guessed: Whether its airspeed is a guess, and whether its heading is, shape (2,).
+        loose: Directions in which a is a guess, times its deviation, shape (3, n), in [m/s].
         walks: Intensities of the level and the vertical gusts in [m^2/s^3].
 
     Returns:
@@ -170,26 +147,22 @@ def predicted(
     before = ca.if_else(begins, air, lane.air)
     steady = ca.if_else(begins, air, lane.steady)
     steady, turn_rate = _averaged(elapsed, lane.turn_rate, before, air, steady)
-    speed = ca.if_else(begins, ca.norm_2(air), lane.speed)
-    speed += ca.fmin(elapsed / SPEED_TIME, 1.0) * (ca.norm_2(air) - speed)
-    usual = steady * speed / ca.fmax(ca.norm_2(steady), 1.0)
-    along, across = (1.0 - guessed[0]) * usual, (1.0 - guessed[1]) * _across(usual)
     mean = 0.5 * (before + air)
     times = scales / ca.fmax(ca.norm_2(mean), 1.0)
     decay, lasts = ca.exp(-elapsed / times), ca.exp(-elapsed / TREND_TIME)
     transition = ca.SX(ca.DM.eye(SIZE))
+    across = _across(steady)
     for axis in range(3):
         transition[G.start + axis, G.start + axis] = decay[axis]
         transition[axis, W.start + axis] = elapsed
         transition[axis, G.start + axis] = 0.5 * elapsed * (1.0 + decay[axis])
-        transition[axis, ALPHA] = -elapsed * along[axis]
+        transition[axis, ALPHA] = -elapsed * steady[axis]
     for axis in range(2):
         transition[W.start + axis, T.start + axis] = elapsed
         transition[T.start + axis, T.start + axis] = lasts
         transition[axis, BETA] = -elapsed * across[axis]
     state = transition @ lane.state
-    told = lane.state[ALPHA] * along + lane.state[BETA] * across  # of what that holds of both
-    state[P] += elapsed * (mean - _beside(lane.state, mean) + told)
+    state[P] += elapsed * (mean - _beside(lane.state, mean - steady))
     spread = ca.SX.zeros(SIZE)
     # A random walk of intensity q is a short piece of a gust of variance q T / 2.
     spread[G] = 0.5 * ca.vertcat(walks[0], walks[0], walks[1]) * times * (1.0 - decay**2)
@@ -198,15 +171,11 @@ def predicted(
     spread[ALPHA], spread[BETA] = SHARE_WALK**2 * elapsed, HEADING_WALK**2 * elapsed
     covariance = ca.triu2symm(ca.SX(ca.Sparsity.upper(SIZE), lane.triangle))
     covariance = transition @ covariance @ transition.T + ca.diag(spread)
-    loose = _loose(heading, guessed)
     covariance[P, P] += elapsed**2 * (loose @ loose.T)  # where it went in between is a guess too
     return SimpleNamespace(
         air=air,
         steady=steady,
-        speed=speed,
         turn_rate=turn_rate,
-        along=along,
-        across=across,
         state=state,
         covariance=covariance,
         loose=loose,
@@ -286,20 +255,21 @@ def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> ca.SX:
         measured: Position [m] and ground velocity [m/s], shape (6,).
         noise: Variances of these, shape (6,).
     """
-    air, state, covariance, sensed = lane.air, lane.state, lane.covariance, ca.SX(6, SIZE)
+    air, steady, state, covariance = lane.air, lane.steady, lane.state, lane.covariance
+    sensed, across, apart = ca.SX(6, SIZE), _across(lane.steady), lane.air - lane.steady
     for axis in range(3):
         sensed[axis, axis] = 1.0
         for part in (W, G, B):
             sensed[3 + axis, part.start + axis] = 1.0
-        sensed[3 + axis, ALPHA] = -lane.along[axis]
-    sensed[3, BETA], sensed[4, BETA] = -lane.across[0], -lane.across[1]
-    explained = ca.vertcat(state[P], expected_velocity(lane))
+        sensed[3 + axis, ALPHA] = -steady[axis]
+    sensed[3, BETA], sensed[4, BETA] = -across[0], -across[1]
+    explained = sensed @ state + ca.vertcat(ca.SX.zeros(3), air - _beside(state, apart))
     crossed = sensed @ covariance
     spread = crossed @ sensed.T + ca.diag(noise)
     spread[3:, 3:] += lane.loose @ lane.loose.T
     gain = _solved(spread, crossed).T
     # Heading and airspeed are sure while the aircraft turns as it did over the average.
-    gain[ALPHA:, :] *= ca.sumsqr(air - lane.steady) <= STEADY_SHARE**2 * ca.sumsqr(air)
+    gain[ALPHA:, :] *= ca.sumsqr(apart) <= STEADY_SHARE**2 * ca.sumsqr(air)
     after = state + gain @ (measured - explained)
     # Of the consider filter too this is the upper triangle: alpha and beta come last.
     covariance -= gain @ crossed
@@ -307,28 +277,6 @@ def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> ca.SX:
     lane = SimpleNamespace(**vars(lane))
     lane.state, lane.triangle = after, ca.vertcat(*triangle)
     return LANE.joined(lane)
-
-
-def believed(lane: SimpleNamespace) -> tuple[ca.SX, ca.SX]:
-    """State of a filter with as much of alpha as is likely, and variances of its level wind.
-
-    An airspeed is sound, and alpha small, or it is not. How likely each is follows from alpha by
-    Bayes' rule; the filter's own prior lies between. To replace it by that of either is a
-    measurement of alpha = 0 with information added, or taken away, and tells of the wind as well.
-
-    Args:
-        lane: By :data:`LANE`.
-    """
-    column = ca.vertcat(*[lane.triangle[k] for k in _OF_ALPHA])
-    column *= ca.fmin(1.0, AIRSPEED_SHARE**2 / column[ALPHA])  # on a long way it has wandered
-    added = np.array(SHARES) ** -2 - AIRSPEED_SHARE**-2
-    left = 1.0 + added * column[ALPHA]
-    likely = ca.exp(-0.5 * lane.state[ALPHA] ** 2 * added / left) / ca.sqrt(left)
-    likely *= np.divide(CHANCES, SHARES)
-    information = ca.dot(added, likely) / ca.sum1(likely)
-    gain = column * information / (1.0 + information * column[ALPHA])
-    level = ca.vertcat(*[lane.triangle[k] for k in LEVEL_WIND]) - (gain * column)[W][:2]
-    return lane.state - gain * lane.state[ALPHA], level
 
 
 def followed(
@@ -366,20 +314,14 @@ def _averaged(
     return turned_air + share * (air - turned_air), turn_rate
 
 
-def _beside(state: ca.SX, air: ca.SX) -> ca.SX:
-    """By how much an air velocity is measured otherwise than it is, shape (3,), in [m/s]."""
-    return state[ALPHA] * air + state[BETA] * _across(air)
+def _beside(state: ca.SX, apart: ca.SX) -> ca.SX:
+    """What alpha and beta change of an air velocity beyond what they do of the average.
 
-
-def _loose(heading: ca.SX, guessed: ca.SX) -> ca.SX:
-    """Directions in which an air velocity is a guess, times its deviation [m/s], shape (3, 2)."""
-    east, north = ca.cos(heading), ca.sin(heading)
-    along, across = WITHOUT_AIRSPEED * guessed[0], BLIND * guessed[1]
-    return ca.vertcat(
-        ca.horzcat(along * east, -across * north),
-        ca.horzcat(along * north, across * east),
-        ca.SX.zeros(1, 2),
-    )
+    Args:
+        state: Of the filter, shape (16,).
+        apart: The air velocity less its average, shape (3,), in [m/s].
+    """
+    return state[ALPHA] * apart + state[BETA] * _across(apart)
 
 
 def _across(velocity: ca.SX) -> ca.SX:

@@ -217,9 +217,6 @@ class SimulatorParameters(HoldParameters, FrameParameters):
         "it against that of the height), or silent.",
         choices=("none", "stuck", "blocked", "silent"),
     )
-    airspeed_gain: float = parameter(
-        1.0, "Share of the airspeed that is measured, before its bias.", "", 0.0, 4.0
-    )
     position_bias: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0), "Constant error of the measured position.", "m", -1e4, 1e4, size=3
     )

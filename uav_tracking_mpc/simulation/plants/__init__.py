@@ -52,8 +52,7 @@ from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 ERRORS = (
     *("position_noise", "velocity_noise", "attitude_noise", "airspeed_noise"),
     *("velocity_bias", "heading_bias", "airspeed_bias", "turn_rate_bias", "position_bias"),
-    *("airspeed_fault", "position_fault", "heading_fault", "velocity_fault"),
-    *("airspeed_gain", "velocity_gain"),
+    *("airspeed_fault", "position_fault", "heading_fault", "velocity_fault", "velocity_gain"),
 )
 TIME_ROUNDING = 1e-9  # s, rounding by which a measurement may be too young
 
@@ -93,8 +92,7 @@ class VehicleSensors:
         self._kept = {name: kept for name, kept in self._kept.items() if faults[name] in KEEPING}
         errors = *self._deviations, *self._biases, parameters.turn_rate_bias
         faulty = any(fault != "none" for fault in faults.values())
-        self._wrong = any(errors) or faulty
-        self._wrong |= (parameters.airspeed_gain, parameters.velocity_gain) != (1.0, 1.0)
+        self._wrong = any(errors) or faulty or parameters.velocity_gain != 1.0
 
     def measure(self, truth: Measurement) -> Measurement:
         """What is measured; every call draws anew.
@@ -151,8 +149,7 @@ class VehicleSensors:
         if truth.airspeed is None or fault == "silent":
             return None
         height = float(truth.position[2])
-        reading = max(self._parameters.airspeed_gain * truth.airspeed + error, 0.0)
-        airspeed, sealed = self._stuck("airspeed", (reading, height))
+        airspeed, sealed = self._stuck("airspeed", (max(truth.airspeed + error, 0.0), height))
         if fault != "blocked":
             return float(airspeed)
         # The static pressure falls by rho g per metre, that in the blocked tube does not.

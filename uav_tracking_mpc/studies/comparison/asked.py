@@ -454,10 +454,6 @@ ASKED_OF_SENSORS = {
     "airspeed_at_26": AskedOfSensors(
         worst=0.3, airspeed=1.5, named="airspeed", departed=5.0, begin=0.0
     ),
-    **{
-        f"airspeed_gain_{gain}": AskedOfSensors(worst=0.3, airspeed=2.0, begin=0.0)
-        for gain in ("0.8", "1.25")
-    },
     "airspeed_stuck_gusts": AskedOfSensors(limits=False, slowest=16.0, named="airspeed"),
     "airspeed_drift": AskedOfSensors(
         worst=0.3, airspeed=2.5, named="airspeed", within=25.0, recovers=True

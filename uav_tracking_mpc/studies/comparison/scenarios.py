@@ -219,8 +219,6 @@ _UNSEEN = _later((BEGIN, _target(dropout=1.0)), (BEGIN + UNSEEN, _target(dropout
 SENSOR_FAULTS = {
     "airspeed_plus_3": Mismatch(changes=_fails(airspeed_bias=3.0, airspeed_fault="stuck")),
     "airspeed_at_26": Mismatch(_simulator(airspeed_bias=4.0, airspeed_fault="stuck")),
-    "airspeed_gain_0.8": Mismatch(_simulator(airspeed_gain=0.8)),
-    "airspeed_gain_1.25": Mismatch(_simulator(airspeed_gain=1.25)),
     "airspeed_stuck_gusts": Mismatch(
         _simulator(gust_intensity=MODERATE), changes=_fails(airspeed_fault="stuck"), values=SEEDS
     ),
