@@ -199,6 +199,17 @@ def test_a_change_keeps_what_is_known_of_the_target():
     np.testing.assert_array_equal(navigator.target.predict(6.1).position, before.position)
 
 
+@pytest.mark.parametrize(("height", "said"), [(-90.0, True), (-10.0, False), (120.0, False)])
+def test_an_aircraft_far_below_its_target_is_told_once(height, said):
+    navigator, words = seen(FLIGHT), []
+    for time in (6.0, 6.1):
+        low = replace(measured(time), position=np.array([200.0, 0.0, height]))
+        estimated(navigator, low)
+        words += navigator.complaints()
+    told = "the aircraft is 92 m below the target: z must be positive up (ENU)"
+    assert words == ([told] if said else [])
+
+
 def test_a_latency_of_next_to_nothing_is_flown_through():
     navigator = seen(replace(FLIGHT, dead_time=(0.0, 0.0, 0.0)))
     navigator.latency = 1e-12

@@ -40,6 +40,9 @@ STUCK_TIME, STUCK_TURN, STUCK_CLIMB = 0.7, 0.04, 3.0
 # -, times the least and the greatest airspeed of the aircraft: what reads beyond is wrong, as knots
 # for m/s are, which read 1.9 times as much; and times what stands in for it, to be used again
 POSSIBLE = 0.75, 1.25
+# m/s, rad, rad, s: an aircraft that flies so much beside its heading, and hardly beside one that is
+# counted from North to East, for so long, has such a heading; no wind is as strong as it flies
+FLYING, BESIDE, ALONG, MIRRORED_FOR = 5.0, 1.0, 0.5, 3.0
 
 
 class Repetition:
@@ -122,7 +125,7 @@ class AirData:
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose: tuple[float, float] | None = None
         self.estimated = 0.0
-        self.impossible = False
+        self.impossible, self._mirrored = False, 0.0
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -198,7 +201,19 @@ class AirData:
         missed = 0.0 if math.isnan(missed) else missed
         self._climb.see(velocity[2], elapsed, missed, STUCK_CLIMB + NOISE_MULTIPLE * noise)
         self._height = height
+        self._compare_with_course(measurement.heading, velocity[0], velocity[1], elapsed)
         self.stuck = self._heading.stuck, self._velocity.stuck or self._climb.stuck
+
+    def _compare_with_course(
+        self, heading: float, east: float, north: float, elapsed: float
+    ) -> None:
+        """For how long the heading has looked like one that counts from North; then for ever."""
+        course = math.atan2(north, east)
+        beside = abs(math.remainder(course - heading, math.tau))
+        mirrored = abs(math.remainder(course + heading - 0.5 * math.pi, math.tau))
+        looks = math.hypot(east, north) > FLYING and beside > BESIDE and mirrored < ALONG
+        told = math.isinf(self._mirrored)
+        self._mirrored = self._mirrored + elapsed if looks or told else 0.0
 
     @property
     def surplus(self) -> float:
@@ -221,6 +236,10 @@ class AirData:
         Args:
             wind_known: Whether the wind stands in for an airspeed that is missing.
         """
+        if MIRRORED_FOR < self._mirrored < math.inf:
+            self._mirrored = math.inf
+            words = "the heading looks as if it counted from North to East"
+            return f"{words}: it must count from East to North (ENU)"
         if self._path.contradicted and not self._doubted:
             self._doubted = True
             return "the nose turns against the bank: the attitude is taken for the direction flown"

@@ -49,6 +49,7 @@ ROUNDING = 1e-9  # -, of a count of steps
 LATENCY_LIMIT = 1.5  # s, counted on at most: a greater one is that of a clock
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
 ACCELERATION = 2  # axis of u_v among the inputs
+BELOW = 20.0  # m, under its target, where hardly an aircraft is unless its z is positive down
 # m/s, m/s, m: how quickly a position that is carried on goes astray by the ground velocity, and by
 # air velocity and wind in its place; and how far, from which on nobody should fly by it
 ASTRAY, BY_WIND, LOST = 0.3, 1.5, 30.0
@@ -144,7 +145,8 @@ class Navigator:
         self.air_estimate.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
-        self._acceleration = self._astray = 0.0
+        self._acceleration = self._astray = self._below = 0.0
+        self._told_below = False
         self._time: float | None = None
 
     @property
@@ -173,8 +175,12 @@ class Navigator:
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
-        words = self.air.complaint(self._estimating)
-        return [*([words] if words else []), *self.air_estimate.health.news()]
+        words = [self.air.complaint(self._estimating), *self.air_estimate.health.news()]
+        if self._below > BELOW and not self._told_below:
+            self._told_below = True
+            below = f"the aircraft is {self._below:.0f} m below the target"
+            words.append(f"{below}: z must be positive up (ENU)")
+        return [each for each in words if each]
 
     def see_target(
         self,
@@ -251,6 +257,7 @@ class Navigator:
         track = self.target.track
         motion, ground = track.state.reshape(-1), float(track.state[0, 2])
         turning = float(track.covariance[2, 2]), track.turn_rate, *self.target.bridge(time)
+        self._below = ground - float(measurement.position[2])
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
         self._time = time
         self._follow_acceleration(time, elapsed)
