@@ -100,4 +100,6 @@ def test_a_series_of_changes_is_judged_once(monkeypatch):
     for each in series:
         watch.ask(each)
     watch.wait()
-    judge.assert_called_once_with(series[-1], None)
+    # A node of another test that has just ended may still judge its own.
+    judged = [call.args for call in judge.call_args_list if call.args[0] in series]
+    assert judged == [(series[-1], None)]
