@@ -125,7 +125,8 @@ class AirData:
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose: tuple[float, float] | None = None
         self.estimated = 0.0
-        self.impossible, self._mirrored = False, 0.0
+        self.impossible = self._told_mirrored = False
+        self._mirrored = 0.0
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -207,13 +208,12 @@ class AirData:
     def _compare_with_course(
         self, heading: float, east: float, north: float, elapsed: float
     ) -> None:
-        """For how long the heading has looked like one that counts from North; then for ever."""
+        """For how long in [s] a heading in [rad] has looked like one that counts from North."""
         course = math.atan2(north, east)
         beside = abs(math.remainder(course - heading, math.tau))
         mirrored = abs(math.remainder(course + heading - 0.5 * math.pi, math.tau))
         looks = math.hypot(east, north) > FLYING and beside > BESIDE and mirrored < ALONG
-        told = math.isinf(self._mirrored)
-        self._mirrored = self._mirrored + elapsed if looks or told else 0.0
+        self._mirrored = self._mirrored + elapsed if looks else 0.0
 
     @property
     def surplus(self) -> float:
@@ -236,8 +236,8 @@ class AirData:
         Args:
             wind_known: Whether the wind stands in for an airspeed that is missing.
         """
-        if MIRRORED_FOR < self._mirrored < math.inf:
-            self._mirrored = math.inf
+        if self._mirrored > MIRRORED_FOR and not self._told_mirrored:
+            self._told_mirrored = True
             words = "the heading looks as if it counted from North to East"
             return f"{words}: it must count from East to North (ENU)"
         if self._path.contradicted and not self._doubted:
