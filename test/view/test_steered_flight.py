@@ -237,5 +237,5 @@ def test_what_was_flown_is_reported(flight):
     assert code == 130, words
     assert "Traceback" not in words
     metrics = json.loads((Path(flight.folder) / "output" / "metrics.json").read_text())
-    assert metrics["commands"]["sent"] > 500
+    assert metrics["commands"]["sent"] > 100
     assert os.path.getsize(flight.folder / "output" / "report.html") > 0

@@ -50,9 +50,17 @@ def test_a_mission_gives_it_model_step_and_target():
     np.testing.assert_allclose(plant.truth.position, configuration.simulator.initial_position)
 
 
-def test_a_target_that_moves_is_refused():
-    with pytest.raises(SimulationError, match="'motion' of target_publisher is 'line'"):
-        plant_of(load_configuration("paper", ["target_publisher.motion=line"]))
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ("target_publisher.motion=line", "'motion' of target_publisher is 'line', must be 's"),
+        ("uav_simulator.wind=[3, 0, 0]", r"'wind' of uav_simulator is \[3.0, 0.0, 0.0\], must be"),
+        ("uav_simulator.gust_intensity=7.7", "'gust_intensity' of uav_simulator is 7.7, must be 0"),
+    ],
+)
+def test_a_target_that_moves_and_air_that_does_are_refused(told, words):
+    with pytest.raises(SimulationError, match=words):
+        plant_of(load_configuration("paper", [told]))
 
 
 def test_straight_above_the_target_it_has_no_value():

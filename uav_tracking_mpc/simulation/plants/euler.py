@@ -66,16 +66,22 @@ class EulerPlant(Plant):
         """See :meth:`Plant.of`.
 
         Raises:
-            SimulationError: The target moves.
+            SimulationError: The target moves, or there is wind.
         """
         tracking, target = configuration.controller, configuration.target
-        if target.motion != "stationary":
-            raise SimulationError(
-                f"parameter 'motion' of target_publisher is '{target.motion}', must be "
-                "'stationary' on the Euler plant; fly the vehicle with "
-                "--set mission.plant=vehicle"
-            )
-        return cls(configuration.simulator, tracking.model, tracking.horizon_step, target.position)
+        simulator = configuration.simulator
+        still = {
+            "'motion' of target_publisher": (target.motion, "stationary"),
+            "'wind' of uav_simulator": (list(simulator.wind), [0.0, 0.0, 0.0]),
+            "'gust_intensity' of uav_simulator": (simulator.gust_intensity, 0.0),
+        }
+        for name, (value, allowed) in still.items():
+            if value != allowed:
+                raise SimulationError(
+                    f"parameter {name} is {value!r}, must be {allowed!r} on the Euler plant; fly "
+                    "the vehicle with --set mission.plant=vehicle"
+                )
+        return cls(simulator, tracking.model, tracking.horizon_step, target.position)
 
     def advance(self, duration: float) -> None:
         """See :meth:`Plant.advance`."""
