@@ -199,3 +199,9 @@ def test_it_lets_go_at_the_end(made):
 def test_an_aircraft_that_cannot_be_flown_ends_the_process_with_one_line():
     arguments = ("-p", f"link:={LINK}", "-p", "connection:=copter")
     assert refused_start("autopilot_link", *arguments) == "it is a copter"
+
+
+def test_a_link_without_a_clock_of_its_own_is_not_flown():
+    words = refused_start("autopilot_link", "-p", "link:=simulated")
+    assert "'link' is 'simulated', must be another one" in words
+    assert "uav_simulator" in words

@@ -16,11 +16,14 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from filled_messages import SECOND, filled_odometry, filled_point, sensed
 from node_harness import callback, tapped, vehicle_from_odometry
+from rclpy.parameter import Parameter
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics import vehicle
@@ -132,6 +135,60 @@ def test_controller_is_silent_without_a_target(nodes):
     assert not heard[COMMAND.name]
     words = [s.message for message in heard[DIAGNOSTICS.name] for s in message.status]
     assert "no target position: no command is sent" in words
+
+
+def test_a_silence_is_noticed_by_the_timeout_of_now(nodes):
+    node = nodes.add(NmpcController, law="l1", state_timeout=60.0)
+    heard = nodes.listen(DIAGNOSTICS)[DIAGNOSTICS.name]
+    assert node.set_parameters([Parameter("state_timeout", value=0.2)])[0].successful
+    begin = time.monotonic()
+    words = "nothing usable comes on uav/odometry: its sender is late"
+    assert nodes.spin(lambda: any(words in s.message for m in heard for s in m.status))
+    assert time.monotonic() - begin < 25.0  # and not after half of what it was
+
+
+def test_a_state_that_is_refused_is_not_called_silence(nodes):
+    heard = nodes.listen(DIAGNOSTICS)[DIAGNOSTICS.name]
+    nodes.add(NmpcController, law="l1")
+
+    def astray():
+        message = filled_odometry(time.time_ns(), STATE)
+        message.header.frame_id = "odom"
+        return {ODOMETRY: message}
+
+    nodes.send(astray, 0.05)
+    words = "the last message was refused: uav/odometry: header.frame_id is 'odom'"
+    assert nodes.spin(lambda: any(words in s.message for m in heard for s in m.status))
+
+
+FAILING = """
+from uav_tracking_mpc.simulation.motions import TargetMotion
+
+class Failing(TargetMotion):
+    name = "failing"
+
+    def position(self, time):
+        if {failing}:
+            {failure}
+        return self._start
+
+    def velocity(self, time):
+        return 0.0 * self._start
+"""
+
+
+@pytest.mark.parametrize("failure", ["raise OSError('the map has an edge')", "return [1.0, 2.0]"])
+def test_a_motion_that_fails_ends_no_node(nodes, tmp_path, failure):
+    """It is told, and no place is published while there is none."""
+    file = tmp_path / "motion.py"
+    file.write_text(FAILING.format(failing="0.3 < time < 1.0", failure=failure))
+    heard = nodes.listen(DIAGNOSTICS, TARGET)
+    nodes.add(TargetPublisher, motion=f"{file}:Failing", rate=50.0)
+    words = "the motion failed, no position is published"
+    reports = heard[DIAGNOSTICS.name]
+    assert nodes.spin(lambda: any(words in s.message for m in reports for s in m.status))
+    told = len(heard[TARGET.name])
+    assert nodes.spin(lambda: len(heard[TARGET.name]) > told + 5)
 
 
 def test_bad_messages_are_refused_and_flight_goes_on(nodes):

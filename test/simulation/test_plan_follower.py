@@ -70,6 +70,16 @@ def test_a_plan_is_kept_as_it_was_given():
     np.testing.assert_array_equal(follower.inputs(0.0), PRESENT[0])
 
 
+@pytest.mark.parametrize("delay", [0.0, 0.3])
+def test_after_the_clock_went_back_the_plan_of_then_is_none(delay):
+    follower = PlanFollower(delay)
+    follower.accept(PRESENT, [100.0], now=100.0)
+    assert follower.inputs(100.4) is not None
+    assert follower.inputs(10.0) is None  # and not its first segment for a minute and a half
+    follower.accept([[0.3, 0.0, 0.0]], [10.0], now=10.0)
+    assert follower.inputs(10.4)[0] == 0.3
+
+
 def test_a_delayed_plan_is_flown_so_much_later_and_the_one_before_until_then():
     follower = PlanFollower(delay=0.3)
     follower.accept([[0.1, 0.0, 0.0]], [0.0], now=0.0)

@@ -188,3 +188,14 @@ def test_after_the_clock_went_back_nothing_of_the_future_is_delivered():
     sensor.measure(100.0)
     sensor.measure(2.0)
     assert [time for time, _ in sensor.delivered(200.0)] == [2.0]
+
+
+def test_after_the_clock_went_back_a_motion_that_was_taken_up_goes_on():
+    """From where it was: its own time has not gone back."""
+    target = SteeredTarget(TargetParameters())
+    target.change(100.0, replace(target.parameters, motion="line", speed=5.0))
+    place = target.position(110.0)
+    target.go_back(20.0, 110.0)
+    np.testing.assert_allclose(target.position(20.0), place)
+    np.testing.assert_allclose(target.position(21.0), place + target.velocity(21.0))
+    assert np.linalg.norm(target.velocity(21.0)) == 5.0

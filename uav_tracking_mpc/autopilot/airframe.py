@@ -19,6 +19,7 @@ A plant turns by (u_psi, u_chi, u_v). In a coordinated turn that is a bank to th
 .. math:: \tan\phi = -\frac{V u_\psi}{g}
 
 and the nose is above the path by the vertical part of the angle of attack that the lift asks for,
+and beside it by the other part (:func:`~uav_tracking_mpc.estimation.flight_path.past_nose`),
 
 .. math:: \theta - \chi = \alpha \cos\phi,\qquad \alpha = \frac{C_L - C_{L0}}{C_{L\alpha}},\qquad
           C_L = \frac{C_{L,c}}{\cos\phi} \left(\frac{V_c}{V}\right)^2
@@ -53,6 +54,7 @@ import numpy as np
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, heading_from_yaw
+from uav_tracking_mpc.estimation.flight_path import past_nose
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.plants import Plant, plant_named
@@ -141,7 +143,7 @@ class FlightState(NamedTuple):
         north_rate: Ground velocity in [m/s].
         up_rate: Ground velocity in [m/s].
         airspeed: True, in [m/s].
-        heading: psi of ``map``, counter-clockwise from East, in [rad].
+        heading: psi of the air velocity, counter-clockwise from East of ``map``, in [rad].
         path_angle: Of the air velocity in [rad].
         turn_rate: psi' in [rad/s].
         roll: To the right in [rad].
@@ -186,7 +188,8 @@ class FlightState(NamedTuple):
     @property
     def yaw(self) -> float:
         """Heading of the nose, clockwise from North, in [rad], from -pi to pi."""
-        return heading_from_yaw(self.heading)
+        past = past_nose(self.roll, self.pitch, self.path_angle)
+        return heading_from_yaw(self.heading - past)
 
 
 class Airframe:
@@ -315,7 +318,7 @@ class Airframe:
         # Euler angles' rates to the body's axes, forward, right, down.
         roll_rate = (roll - before.roll) / duration
         pitch_rate = (pitch - before.pitch) / duration
-        yaw_rate = -turn_rate
+        yaw_rate = math.remainder(state.yaw - before.yaw, math.tau) / duration
         sine, cosine = math.sin(roll), math.cos(roll)
         return state._replace(
             roll_rate=roll_rate - yaw_rate * math.sin(pitch),

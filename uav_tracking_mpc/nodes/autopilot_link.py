@@ -30,6 +30,7 @@ from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import VEHICLE_LINK, LinkError, LinkRefusedError, Sighting, VehicleLink
+from uav_tracking_mpc.links.simulated import SimulatedLink
 from uav_tracking_mpc.nodes.messages.conversions import set_point, set_truth
 from uav_tracking_mpc.nodes.messages.wires import even_command
 from uav_tracking_mpc.nodes.ros import diagnostics
@@ -351,6 +352,11 @@ def _failed(error: Exception) -> str:
 
 
 def _link(parameters: LinkParameters) -> VehicleLink:
+    if parameters.link == SimulatedLink.name:
+        raise ParameterError(
+            f"parameter 'link' is {parameters.link!r}, must be another one: its time goes on as it "
+            "is asked, for loops without ROS. The node uav_simulator flies a simulated aircraft"
+        )
     try:
         return VEHICLE_LINK.find(parameters.link).of(parameters)  # type: ignore[no-any-return]
     except (ExtensionError, LinkError) as error:

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.estimation.flight_path import FlightPath
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import (
     nanoseconds,
@@ -82,6 +83,23 @@ def airspeeds(
     return np.interp(
         [stamp - first for stamp, _ in flown], [stamp - first for stamp in stamps], speeds
     )
+
+
+def through_the_air(
+    told: Sequence[tuple[int, Measurement]], measured: Sequence[tuple[int, float]]
+) -> list[tuple[int, Measurement]]:
+    """The path through the air at each state, with its airspeed, as the controller finds it.
+
+    Args:
+        told: Stamp in [ns] and motion of each state, from before the flight on.
+        measured: Stamp in [ns] and airspeed in [m/s] of each air velocity.
+    """
+    told = sorted(told, key=lambda each: each[0])
+    path, speeds = FlightPath(), airspeeds(told, measured).tolist()
+    return [
+        (stamp, replace(path.of(motion, speed), airspeed=speed))
+        for (stamp, motion), speed in zip(told, speeds, strict=True)
+    ]
 
 
 def latency(
@@ -289,7 +307,9 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
             raise ValueError(f"bag {path} holds no flown command: the autopilot was never engaged")
         start = engaged[0]
     end = start + round(configuration.mission.duration * 1e9)
-    flown = [(each.stamp, each.value) for each in states if start <= each.stamp <= end]
+    through_air = [(each.stamp, each.value) for each in series[AIR_VELOCITY.name]]
+    paths = through_the_air([(each.stamp, each.value) for each in states], through_air)
+    flown = [(stamp, motion) for stamp, motion in paths if start <= stamp <= end]
     if not flown:
         raise ValueError(f"bag {path} holds no state of the aircraft while commands were flown")
     sent = [each for each in commands if start <= each.stamp <= end]
@@ -315,11 +335,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         int(controller.get(f"mode {mode.value}", 0))
         for mode in (FallbackMode.LOITER, FallbackMode.HOLD)
     )
-    through_air = [(each.stamp, each.value) for each in series[AIR_VELOCITY.name]]
-    vehicle = [
-        motion.state(speed)
-        for (_, motion), speed in zip(flown, airspeeds(flown, through_air), strict=True)
-    ]
+    vehicle = [motion.state(motion.airspeed or 0.0) for _, motion in flown]
     cost, solve_time = (
         beside_commands(
             [each.heard for each in sent],

@@ -207,7 +207,11 @@ class ControllerReport:
             topic: From which it came, if it is known: each has its own throttle.
         """
         self.refused += 1
-        self._warn(f"{topic} refused", f"message refused: {words}")
+        words = f"message refused: {words}"
+        if topic:
+            self._throttled.warn(f"{topic} refused", words)
+        else:
+            self._warn("refused", words)
 
     def leave_out(self, topic: str, words: str) -> None:
         """Report a message that is sound and has not been used.
@@ -219,7 +223,7 @@ class ControllerReport:
         self._warn(f"{topic} left out", f"{topic}: message left out: {words}")
 
     def _warn(self, subject: str, words: str) -> None:
-        """Warn, now and then; while the solver is compiled that explains it."""
+        """Warn, now and then, of what is late; while the solver is compiled that explains it."""
         if self._controller is not None and _compiling(self._controller):
             self._node.get_logger().debug(words)
         else:

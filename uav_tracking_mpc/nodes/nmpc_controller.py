@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 from rclpy.node import Node
+from rclpy.timer import Timer
 
 from uav_tracking_mpc.control.certification import ClaimWatch
 from uav_tracking_mpc.control.command import Command
@@ -55,6 +56,7 @@ from uav_tracking_mpc.nodes.ros.managed_node import (
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    CLOCK,
     COMMAND,
     ENGAGED,
     ODOMETRY,
@@ -176,6 +178,7 @@ class NmpcController(ManagedNode):
         self._margins: MarginWatch | None = None  # of the present controller
         self._times = MessageTimes(self)
         self._tracked, self._both_told = -math.inf, False  # stamp of the newest target/odometry [s]
+        self._refused = -math.inf, ""  # when [s] a state was refused last, by the steady clock; why
         self._waiting = -math.inf  # since the newest believed state was answered, steady [s]
         self._activated = -math.inf  # when it was activated, steady [s]
         self._engaged = True  # until an autopilot's link says otherwise
@@ -183,8 +186,9 @@ class NmpcController(ManagedNode):
         self._views = ControllerViews(self)
         self._name_frames()
         self.report = ControllerReport(self)
-        self._senders = DuplicateSenders(self, (*HEARD, COMMAND), self.report.alarm)
         simulated = bool(self.get_parameter("use_sim_time").value)
+        alone = *HEARD, COMMAND, *((CLOCK,) if simulated else ())
+        self._senders = DuplicateSenders(self, alone, self.report.alarm)
         rate = None if simulated else self.parameters.control_rate
         self._commands = PacedPublisher(self, COMMAND, rate, self.report.late)
         self._orbits = publish(self, ORBIT)
@@ -193,14 +197,15 @@ class NmpcController(ManagedNode):
         callbacks = self._on_odometry, self._on_air, self._on_target, self._on_target_odometry
         for topic, callback in zip(HEARD, callbacks, strict=True):
             self.report.peers.listen(topic, self._refusing(topic, callback), topic is ODOMETRY)
-        period = self.parameters.state_timeout / 2.0
-        self._stall = StallGuard(period + STALL_MARGIN)
-        steady_timer(self, period, self._watch)
+        self._watchdog: Timer | None = None
+        self._watch_for(self.parameters.state_timeout)
         if self.parameters.autostart:
             self.trigger_configure()
             if self.controller is None:
                 raise ParameterError(self.trouble)
             self.trigger_activate()
+        else:
+            self.report.at(self.stage, self.trouble)
 
     def configure(self) -> None:
         """Build and check everything.
@@ -271,13 +276,22 @@ class NmpcController(ManagedNode):
             self.controller.check(parameters)
 
     def _take(self, parameters: TrackingParameters) -> None:
-        self.parameters = parameters
+        before, self.parameters = self.parameters, parameters
+        if parameters.state_timeout != before.state_timeout:
+            self._watch_for(parameters.state_timeout)
         self._commands.rate = parameters.control_rate
         if self.controller is not None:
             self.controller.change(**asdict(parameters))
             if self._margins is not None:
                 self._margins.ask(parameters)
             self.report.changed(parameters)
+
+    def _watch_for(self, timeout: float) -> None:
+        """Look so often that a silence of this length in [s] is noticed."""
+        if self._watchdog is not None:
+            self.destroy_timer(self._watchdog)
+        self._stall = StallGuard(0.5 * timeout + STALL_MARGIN)
+        self._watchdog = steady_timer(self, 0.5 * timeout, self._watch)
 
     def _name_frames(self) -> None:
         """Write and expect the frames that the parameters name."""
@@ -296,6 +310,8 @@ class NmpcController(ManagedNode):
                 callback(message, self.controller)
             except MeasurementError as error:
                 self.report.refuse(str(error), topic.name)
+                if topic is ODOMETRY:
+                    self._refused = time.monotonic(), str(error)
 
         return on_message
 
@@ -398,7 +414,10 @@ class NmpcController(ManagedNode):
             self.report.stands()
             return
         words = "vehicle state is lost: nothing" if math.isfinite(self._waiting) else "nothing"
+        when, refusal = self._refused
         why = "the own process stood still" if stopped else "its sender is late, gone or stuck"
+        if time.monotonic() - when <= self.parameters.state_timeout:
+            why = f"the last message was refused: {refusal}"
         self.controller.fall_silent(f"{words} usable comes on {ODOMETRY.name}: {why}")
         self.report.tell()
 

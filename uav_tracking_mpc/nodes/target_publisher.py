@@ -20,6 +20,8 @@ import math
 import sys
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -65,11 +67,14 @@ class TargetPublisher(Node):
         self._start = 0 if simulated else self.get_clock().now().nanoseconds
         self._message, self._truth = TARGET.type(), TARGET_TRUTH.type()
         self._position, self._refused = self._target.position(0.0), 0
-        self._measured_at = math.nan
+        self._measured_at, self._failure = math.nan, ""
         self._publisher = publish(self, TARGET)
         self._truths = publish(self, TARGET_TRUTH)
         listen(self, TARGET_GOAL, self._on_goal)
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
+        self._warnings = diagnostics.ThrottledWarnings(self)
+        told = (TARGET, TARGET_TRUTH)
+        self._senders = diagnostics.DuplicateSenders(self, told, self._diagnostics.alarm)
         self._outage = SimulatedOutage(self, "lose_target", "the target's position", self._time)
         self._timer = self.create_timer(1.0 / self.parameters.rate, self._measure)
         self._truth_timer = self.create_timer(TRUTH_PERIOD, self._tell_truth)
@@ -82,7 +87,10 @@ class TargetPublisher(Node):
 
     def _take(self, parameters: TargetParameters) -> None:
         now = self._time()
-        self._target.change(now, parameters)
+        try:
+            self._target.change(now, parameters)
+        except Exception as error:  # whatever a user's motion raises, the node goes on
+            self._failure = f"the motion failed: {error}"
         self._sensor.change(parameters)
         self.parameters = parameters
         self._tell_truth()
@@ -93,40 +101,60 @@ class TargetPublisher(Node):
         try:
             goal = position_from_point(message, self._frames, TARGET_GOAL)
         except MessageError as error:
-            self._refused += 1
-            self.get_logger().warning(f"goal refused: {error}")
+            self._refuse(str(error))
             return
         values = {"motion": STATIONARY, "position": goal.tolist()}
         changes = [Parameter(name, value=value) for name, value in values.items()]
         answer = self.set_parameters_atomically(changes)
         if not answer.successful:
-            self._refused += 1
-            self.get_logger().warning(f"goal refused: {answer.reason}")
+            self._refuse(answer.reason)
             return
         # It may stand elsewhere although its position was this one already.
         self._target.go_to(self._time(), goal)
         self._tell_truth()
         self._report(self._time())
 
+    def _refuse(self, words: str) -> None:
+        self._refused += 1
+        self._warnings.warn("goal", f"goal refused: {words}")
+
     def _tell_truth(self) -> None:
         stamp = self.get_clock().now().nanoseconds
         now = (stamp - self._start) * 1e-9
-        set_truth(
-            self._truth, stamp, self._target.position(now), self._target.velocity(now), self._frames
-        )
-        self._truths.publish(self._truth)
+        if (motion := self._motion_at(now)) is not None:
+            position, velocity = motion
+            set_truth(self._truth, stamp, position, velocity, self._frames)
+            self._truths.publish(self._truth)
+
+    def _motion_at(self, now: float) -> NDArray[np.float64] | None:
+        """True position [m] and velocity [m/s], shape (2, 3); None, and a failure, without them."""
+        try:
+            motion = np.array([self._target.position(now), self._target.velocity(now)], dtype=float)
+            if motion.shape != (2, 3) or not np.isfinite(motion).all():
+                raise ValueError("position and velocity must be three finite numbers each")
+        except Exception as error:  # whatever a user's motion raises, the node goes on
+            self._failure = f"the motion failed, no position is published: {error}"
+            return None
+        self._failure = ""
+        return motion
 
     def _measure(self) -> None:
         now = self._time()
         if now == self._measured_at:  # a late timer fires twice before simulated time goes on
             return
+        if now < self._measured_at:
+            self._target.go_back(now, self._measured_at)
         self._measured_at = now
-        self._position = self._target.position(now)
-        self._sensor.measure(now)
+        if (motion := self._motion_at(now)) is not None:
+            self._position = motion[0]
+            self._sensor.measure(now)
         self._deliver()
         self._report(now)
 
     def _report(self, now: float) -> None:
+        if self._failure:
+            self._diagnostics.report(diagnostics.ERROR, self._failure)
+            return
         if self._outage.lasts:
             self._diagnostics.report(diagnostics.WARN, self._outage.words)
             return

@@ -153,6 +153,8 @@ class UavSimulator(VehicleNode):
             if not self._started:
                 self._diagnostics.report(diagnostics.WARN, "time waits for subscribers")
                 return
+            if self._clock_publisher is None:
+                self._now = self.get_clock().now().nanoseconds  # nothing has flown yet
         if self._paused:
             return
         self._advance(self._elapsed())

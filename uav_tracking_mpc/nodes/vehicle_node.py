@@ -45,6 +45,7 @@ from uav_tracking_mpc.nodes.ros.diagnostics import (
 from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, PublisherWatch, listen, publish
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    CLOCK,
     COMMAND,
     ODOMETRY,
     ORBIT,
@@ -91,7 +92,9 @@ class VehicleNode(Node):
         self._air_publisher = publish(self, AIR_VELOCITY)
         self._transforms = TransformBroadcaster(self, self._frames)
         self._diagnostics = Diagnostics(self, self._values, now)
-        self._senders = DuplicateSenders(self, FLOWN, self._diagnostics.alarm)
+        timed = now is not None or bool(self.get_parameter("use_sim_time").value)
+        alone = *FLOWN, *((CLOCK,) if timed else ())
+        self._senders = DuplicateSenders(self, alone, self._diagnostics.alarm)
         self._commanders = PublisherWatch(self, lambda words: self._diagnostics.report(WARN, words))
         self._warnings = ThrottledWarnings(self)
         self._commanders.listen(COMMAND, self._on_command, raw=True)

@@ -72,6 +72,7 @@ class PlanFollower:
         steps = np.diff(starts)
         if np.any(steps <= 0.0):
             raise ValueError("plan's segments are not in order of time")
+        self._forget_ahead(now)
         if starts[0] > now + LEAD_LIMIT:
             raise ValueError(
                 f"plan begins {starts[0] - now:.3f} s from now, may by {LEAD_LIMIT:g} s"
@@ -83,6 +84,12 @@ class PlanFollower:
         else:
             self._fly(plan.copy(), starts)
 
+    def _forget_ahead(self, now: float) -> None:
+        """Where time has gone back, plans of a time that is no more are none."""
+        if len(self._starts) and self._starts[0] > now + LEAD_LIMIT + self.delay:
+            self._under_way.clear()
+            self._starts, self._end = np.zeros(0), -math.inf
+
     def _fly(self, plan: NDArray[np.float64], starts: NDArray[np.float64]) -> None:
         self._inputs, self._starts = plan, starts
         self._end = starts[-1] + (starts[-1] - starts[-2] if len(starts) > 1 else 1.0)
@@ -93,6 +100,7 @@ class PlanFollower:
         Args:
             now: Present time in [s].
         """
+        self._forget_ahead(now)
         while self._under_way and self._under_way[0][0] <= now + 1e-9:
             _, plan, starts = self._under_way.popleft()
             self._fly(plan, starts)

@@ -72,7 +72,8 @@ class SteeredTarget:
         """
         refuse_fixed(self.parameters, parameters, "while the target moves")
         try:
-            motion_of(parameters).position(0.0)
+            motion = motion_of(parameters)
+            motion.starting(parameters, motion.position(0.0), motion.velocity(0.0))
         except ParameterError:
             raise
         except Exception as error:  # whatever a user's motion raises, the target moves on
@@ -107,6 +108,17 @@ class SteeredTarget:
         parameters = replace(self.parameters, motion=STATIONARY, position=place)
         self._begin(time, parameters, True)
         self.parameters = parameters
+
+    def go_back(self, time: float, before: float) -> None:
+        """Take note that time has gone back: a motion that was taken up later goes on from now.
+
+        Args:
+            time: Now, since the target's start in [s].
+            before: What it was until now, likewise.
+        """
+        if time < self._changed:
+            self._began += time - before
+            self._changed += time - before
 
     def heading_for(self, time: float) -> NDArray[np.float64] | None:
         """Where its motion begins in ``map``, shape (3,), in [m], while it drives there; else None.

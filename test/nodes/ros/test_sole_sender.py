@@ -49,6 +49,17 @@ def test_two_streams_of_numbers_are_two_senders():
     assert not heard.holds(now + WINDOW + 1.0)  # it is over when one of them has fallen silent
 
 
+def test_two_slow_senders_are_two_without_a_pause():
+    """Two targets at 0.4 Hz, which is often enough for a target."""
+    heard = InterleavedSequences(0.0)
+    told = []
+    for index, number in enumerate([500, 3, 501, 4, 502, 5, 503, 6, 504, 7]):
+        heard.see(number, 1.25 * index)
+        told.append(heard.holds(1.25 * index))
+    assert told == sorted(told)  # once begun it goes on
+    assert told[-1]
+
+
 def test_equal_numbers_are_two_senders():
     heard, now = turns([7, 7, 8, 8, 9, 9])
     assert heard.holds(now)

@@ -51,7 +51,7 @@ from uav_tracking_mpc.dynamics.frames import (
     turn_rate_from_bank,
 )
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
-from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, FlightDirection
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, FlightDirection, past_nose
 from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
@@ -318,7 +318,10 @@ class Telemetry:
             self.attitude = Attitude(time, message.roll, message.pitch, message.yaw, rates)
             if (airspeed := self.airspeed or 0.0) >= LEAST_AIRSPEED:
                 by_bank = turn_rate_from_bank(message.roll, airspeed)
-                self.direction.see(time, heading_from_yaw(message.yaw), by_bank)
+                climb = 0.0 if self.newest is None else float(self.newest.ground_velocity[2])
+                path_angle = math.asin(min(max(climb / airspeed, -1.0), 1.0))
+                past = past_nose(message.roll, message.pitch, path_angle)
+                self.direction.see(time, heading_from_yaw(message.yaw) + past, by_bank)
 
     def _see_airspeed(self, message: Any, arrival: float) -> None:
         self.throttle = min(message.throttle * 1e-2, 1.0)

@@ -242,7 +242,7 @@ class ThrottledWarnings:
 
 
 LOOK_PERIOD = 1.0  # s between looks
-WINDOW = 5.0  # s in which numbers fall often enough where two send
+WINDOW = 10.0  # s in which numbers fall often enough where two send
 FALLS = 3  # in that time: more than restarts explain
 UNNUMBERED = 30.0  # s that two publishers are known, where messages have no numbers
 QUEUE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)  # hears both kinds
@@ -259,7 +259,7 @@ class InterleavedSequences:
         self._since = now
         self._last: int | None = None
         self._falls: deque[float] = deque(maxlen=FALLS)
-        self._unnumbered = False
+        self._unnumbered = self._several = False
 
     def see(self, number: int | None, now: float) -> None:
         """Take note of a message.
@@ -273,17 +273,18 @@ class InterleavedSequences:
             return
         if self._last is not None and number <= self._last:
             self._falls.append(now)
+            self._several |= len(self._falls) == FALLS and now - self._falls[0] <= WINDOW
         self._last = number
 
     def holds(self, now: float) -> bool:
-        """Whether several send.
+        """Whether several send; it is over when one of them has been silent for long.
 
         Args:
             now: Steady time in [s].
         """
         if self._unnumbered:
             return now - self._since > UNNUMBERED
-        return len(self._falls) == FALLS and now - self._falls[0] <= WINDOW
+        return self._several and now - self._falls[-1] <= WINDOW
 
 
 class DuplicateSenders:
