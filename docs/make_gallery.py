@@ -144,7 +144,7 @@ def save_still(picture: Image.Image, name: str) -> None:
         picture: What is seen.
         name: Of its file.
     """
-    few = picture.quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(FOLDER / name, optimize=True)
 
 

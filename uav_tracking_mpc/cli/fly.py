@@ -92,6 +92,8 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
     from uav_tracking_mpc.launch.flight import BrokenFlightError, launch
+    from uav_tracking_mpc.parameters.specification import ParameterError
+    from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
 
     console, link = Console(stderr=True), arguments.link is not None
     bag, record = arguments.output / BAG, (arguments.output / RECORD).resolve()
@@ -103,6 +105,12 @@ def run(arguments: argparse.Namespace) -> int:
     if link:
         arguments.overrides = [*arguments.overrides, "mission.speed=1.0"]  # real time has one
     configuration = chosen_configuration(arguments, arguments.scenario)
+    if link and configuration.controller.terminal_constraint != ARTIFICIAL_ORBIT:
+        raise ParameterError(
+            f"configuration {configuration.name!r} knows no limits of an aircraft, which a link "
+            "needs (terminal_constraint 'artificial_orbit'): fly --config small_uav, or one of "
+            "your own"
+        )
     number: int | None = None
     died: BrokenFlightError | None = None
     with ExitStack() as stack:

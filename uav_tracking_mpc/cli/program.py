@@ -76,6 +76,9 @@ def explained(program: str) -> Iterator[Ending]:
     ending = Ending()
     try:
         yield ending
+    except BrokenPipeError:  # as of `| head`: nobody reads on, which is no error
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        ending.code = 128 + signal.SIGPIPE
     except (Exception, KeyboardInterrupt) as error:
         found = explanation(error)
         if found is None:

@@ -295,7 +295,7 @@ def header_stamp(data: bytes | memoryview) -> int:
 def _parts(path: Path) -> list[Path]:
     """Files of a bag."""
     if not path.exists():
-        raise FileNotFoundError(f"there is no bag {path}")
+        raise BagError(f"there is no bag {path}")
     if not path.is_dir():
         return [path]
     files = sorted(path.glob("*.mcap"))
@@ -334,7 +334,7 @@ def _check(path: Path, file: IO[bytes]) -> None:
     if size == 0:
         raise BagError(f"bag {path} is empty: 0 bytes")
     if file.read(len(MAGIC)) != MAGIC:
-        raise BagError(f"{path} is no bag: an MCAP file begins with {MAGIC!r}")
+        raise BagError(f"{path} is no bag: it does not begin as an MCAP file does")
     file.seek(-min(FOOTER_SIZE, size), os.SEEK_END)
     if size < FOOTER_SIZE + len(MAGIC) or not file.read().endswith(MAGIC):
         raise BagError(

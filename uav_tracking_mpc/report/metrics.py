@@ -296,7 +296,7 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
 
 
 def in_short(numbers: dict[str, Any], output: Path) -> list[str]:
-    """A flight in three lines: when it settled, how well it held, where the report is.
+    """A flight in lines: when it settled, how well it held, what failed, where the report is.
 
     Args:
         numbers: What :func:`uav_tracking_mpc.report.metrics.metrics` returned.
@@ -314,7 +314,8 @@ def in_short(numbers: dict[str, Any], output: Path) -> list[str]:
             ("altitude", steady["altitude_rms_m"]),
         )
     )
-    return [f"settled: {times}", f"last third: {rms}", f"report: {output / 'report.html'}"]
+    words = [f"settled: {times}", f"last third: {rms}", *_failures(numbers)]
+    return [*words, f"report: {output / 'report.html'}"]
 
 
 def settled(numbers: dict[str, Any]) -> bool:

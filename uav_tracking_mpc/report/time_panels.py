@@ -342,7 +342,7 @@ def _bank_panel(axes: Axes, log: FlightLog) -> None:
     if len(most) and len(bank):
         largest = np.nanmax(np.abs(bank), initial=0.0)
         words = f"at most {largest:.0f}° of {most[0]:.0f}°"
-    title, label = "Bank, right wing down", r"$\phi$ [deg]"
+    title, label = "Bank, right wing down", "bank [deg]"
     _limited_panel(axes, log, bank, asked, [*-most, *most], words, title, label)
 
 

@@ -95,6 +95,7 @@ class LocalExecutor:
             return
         # spawn: a fork would copy whatever threads the caller has running.
         context = multiprocessing.get_context("spawn")
+        others = set(multiprocessing.active_children())
         pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
         try:
             for future in order([pool.submit(work, piece) for piece in pieces]):
@@ -104,6 +105,11 @@ class LocalExecutor:
                 "a worker process ended abruptly (was there too little memory?); of a campaign "
                 "the same command goes on with what is left"
             ) from error
+        except (KeyboardInterrupt, GeneratorExit):
+            # What is under way is nobody's any more, and may take a minute.
+            for worker in set(multiprocessing.active_children()) - others:
+                worker.terminate()
+            raise
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 

@@ -129,7 +129,7 @@ def mismatch(
         if not 0.0 < level <= content["level"]:
             return f"level in flight is {level:.6g}, proved up to {content['level']:.6g}"
     except (KeyError, TypeError, ValueError) as error:
-        return f"malformed certificate: {error!r}"
+        return _malformed(error)
     return None
 
 
@@ -155,8 +155,13 @@ def verify(content: dict[str, Any]) -> str | None:
     except (RejectedError, ArithmeticError) as rejection:
         return str(rejection)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        return f"malformed: {error!r}"
+        return _malformed(error)
     return None
+
+
+def _malformed(error: Exception) -> str:
+    missing = f"it has no key {error}" if isinstance(error, KeyError) else repr(error)
+    return f"malformed certificate: {missing}"
 
 
 def _check(content: dict[str, Any]) -> None:

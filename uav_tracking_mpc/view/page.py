@@ -60,11 +60,12 @@ link.click();">Save a picture</button>
 """
 
 
-def legend(colour: Colour) -> str:
+def legend(colour: Colour, recorded: bool = False) -> str:
     """Rows of marks and words, as HTML.
 
     Args:
         colour: Of the first aircraft.
+        recorded: Whether a record is shown, of which nothing can be steered.
     """
     flown = MODE_COLOURS[FallbackMode.OPTIMAL]
     slow_to_fast = ",".join(f"rgb{tuple(each)}" for each in SCALE.tolist())
@@ -82,22 +83,24 @@ def legend(colour: Colour) -> str:
         '<div data-flight-legend style="font-size:0.75em;line-height:1.45;padding:0 0.7em 0.5em">'
         + "".join(ROW.format(*row) for row in rows)
         + ROW.format("".join(modes), "wings and plan, best first")
-        + "<b>Drag the target</b> with the mouse. Drag elsewhere to look around."
+        + ("" if recorded else "<b>Drag the target</b> with the mouse. ")
+        + ("Drag to look around." if recorded else "Drag elsewhere to look around.")
         + SAVE
         + "</div>"
     )
 
 
-def add_legend(client: viser.ClientHandle, colour: Colour) -> None:
+def add_legend(client: viser.ClientHandle, colour: Colour, recorded: bool) -> None:
     """Put it into the upper left of a page, folded where the page is small.
 
     Args:
         client: The page.
         colour: Of the first aircraft.
+        recorded: As of :func:`legend`.
     """
     panel = client.gui.add_panel()
     with panel.add_tab("What you see"):
-        client.gui.add_html(legend(colour))
+        client.gui.add_html(legend(colour, recorded))
     panel.float(x=PLACE[0], y=PLACE[1], width=WIDTH)
     if not covered(client.camera):
         panel.minimize()
@@ -294,7 +297,8 @@ class Page:
             FLOWN: self._visitors.flown,
             MISSION: self._visitors.mission,
         }
-        self._server.on_client_connect(lambda client: add_legend(client, COLOURS[0]))
+        recorded = source.clock is not None
+        self._server.on_client_connect(lambda client: add_legend(client, COLOURS[0], recorded))
         self._server.gui.main_panel.dock_right()  # beside the scene and not upon it
         self._server.gui.main_panel.set_width(PANEL_WIDTH)
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft

@@ -277,8 +277,8 @@ CAPTION = (
     "probability is."
 )
 REPLAY = (
-    "The folder worst holds a configuration of each: uav_tracking simulate --config "
-    "worst/flight_….yaml flies it again, bit for bit."
+    "The folder worst beside this page holds a configuration of each: uav_tracking simulate "
+    "--config FOLDER/worst/flight_….yaml flies it again, bit for bit."
 )
 
 

@@ -55,6 +55,7 @@ class Kind:
         columns: Heading, name of the measure and number format of each column of the table.
         panels: Measures that the figure of all of them shows.
         caption: Of the table.
+        demand: Words that are added where something is asked.
     """
 
     name: str
@@ -65,6 +66,7 @@ class Kind:
     columns: tuple[tuple[str, str, str], ...]
     panels: tuple[str, ...]
     caption: str
+    demand: str
 
     def on(self, plant: str) -> Kind:
         """The same on a plant that is asked for: files and keys are named by it.
@@ -97,8 +99,8 @@ SCENARIOS = Kind(
     panels=("range_rms_m", "settling_s", "bank_rate_rms_dps"),
     caption="RMS over the last third of the flight; settling: time after which the range error "
     "stays below 10 m; violations: samples at which airspeed, path angle, bank, specific force, "
-    "height or distance exceeds its limit by more than 1 %; asked: range RMS and settling time of "
-    "nmpc, at most.",
+    "height or distance exceeds its limit by more than 1 %.",
+    demand="asked: range RMS and settling time of nmpc, at most.",
 )
 MISTOLD = Kind(
     name="mismatches",
@@ -120,7 +122,8 @@ MISTOLD = Kind(
     "the orbit; off plan: commands that are neither an optimal plan nor the answer of the law; all "
     "but violations count from 90 s to the end. violations: samples of the whole flight at which "
     "airspeed, path angle, bank, specific force, height or distance exceeds its limit by more than "
-    "1 %. asked: range RMS and bank rate RMS of nmpc, at most, in parentheses as shares of those "
+    "1 %.",
+    demand="asked: range RMS and bank rate RMS of nmpc, at most, in parentheses as shares of those "
     "of another flight.",
 )
 MOST_NEWS = 6  # of the sensors of one flight, that are shown
@@ -321,7 +324,8 @@ def comparison_table(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> T
         for each in scenarios
         for index, (law, flight) in enumerate(each.measures.items())
     ]
-    return Table([kind.flown, "law", *headings, *last], rows, headings, caption=kind.caption)
+    caption = f"{kind.caption} {kind.demand}" if last else kind.caption
+    return Table([kind.flown, "law", *headings, *last], rows, headings, caption=caption)
 
 
 def own_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
