@@ -22,8 +22,6 @@ filter's solution is closed: every dead time is met exactly, also between two sa
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,13 +41,10 @@ class ResponseCandidates:
     """
 
     def __init__(self) -> None:
-        size = 2 * CAPACITY  # moved to the front when full
-        self._times = np.zeros(size)
-        self._inputs = np.zeros((3, size))
-        self._rates = np.zeros((3, size, len(LAGS)))
-        self._gained = np.zeros((size, len(LAGS)))
-        shape = 3, len(DEAD_TIMES), len(LAGS)
-        self._response, self._held = np.zeros(shape), np.zeros(shape)
+        # By the times at which the inputs changed, the newest last.
+        self._times, self._inputs = np.zeros(CAPACITY), np.zeros((CAPACITY, 3))
+        self._rates = np.zeros((CAPACITY, 3, len(LAGS)))
+        self._gained = np.zeros((CAPACITY, len(LAGS)))
         self.reset(0.0, np.zeros(3))
 
     def reset(self, time: float, inputs: NDArray[np.float64]) -> None:
@@ -59,11 +54,9 @@ class ResponseCandidates:
             time: When it begins in [s].
             inputs: (u_psi, u_chi, u_v) flown since long ago, shape (3,).
         """
-        self._count = 1
-        self._times[0], self._inputs[:, 0], self._gained[0] = time, inputs, 0.0
-        self._rates[:, 0] = inputs[:, np.newaxis]
-        self._plan: tuple[float, NDArray[np.float64], float] | None = None
-        self.end = time
+        self._times[:], self._inputs[:], self._gained[:] = time, inputs, 0.0
+        self._rates[:] = inputs[:, np.newaxis]
+        self._plan, self.end = (time, inputs[np.newaxis], 1.0), time
 
     def commanded(
         self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
@@ -78,7 +71,8 @@ class ResponseCandidates:
         """
         self._follow_plan(sent)
         self._plan, self.end = (begin, inputs, step), begin + step * len(inputs)
-        self._change(max(sent, float(self._times[self._count - 1])), self._segment(sent))
+        segment = min(max(int((sent - begin) / step), 0), len(inputs) - 1)
+        self._change(max(sent, float(self._times[-1])), inputs[segment])
 
     def at(self, time: float) -> NDArray[np.float64]:
         """Responses at a time: turn rate, path-angle rate, and the airspeed that was gained.
@@ -87,64 +81,43 @@ class ResponseCandidates:
             time: In [s], not long before the last command.
 
         Returns:
-            Shape (3, dead times, lags), in [rad/s], [rad/s], [m/s]; overwritten by the next call.
+            Shape (3, dead times, lags), in [rad/s], [rad/s], [m/s].
         """
         self._follow_plan(time)
         times = time - DEAD_TIMES
-        piece = self._times[: self._count].searchsorted(times, side="right") - 1
-        np.maximum(piece, 0, out=piece)
+        piece = np.maximum(self._times.searchsorted(times, side="right") - 1, 0)
         elapsed = np.maximum(times - self._times[piece], 0.0)[:, np.newaxis]
-        decay = np.exp(elapsed * -_RATES)
-        response, held = self._response, self._held
-        held[:] = self._inputs[:, piece, np.newaxis]
-        np.take(self._rates, piece, axis=1, out=response, mode="clip")
-        response -= held
-        response *= decay
+        held = self._inputs[piece].T[:, :, np.newaxis]
+        lacking = self._rates[piece].swapaxes(0, 1) - held
+        left = lacking * np.exp(elapsed * -_RATES)
+        response = left + held
         # The integral of what is lacking is tau times the part that has decayed.
-        start = np.take(self._rates[ACCELERATION], piece, axis=0)
-        start -= held[ACCELERATION]
-        start -= response[ACCELERATION]
-        start /= _RATES
-        start += held[ACCELERATION] * elapsed
-        response += held
-        np.add(np.take(self._gained, piece, axis=0), start, out=response[ACCELERATION])
+        decayed = (lacking - left)[ACCELERATION] / _RATES
+        response[ACCELERATION] = self._gained[piece] + (decayed + held[ACCELERATION] * elapsed)
         return response
-
-    def _segment(self, time: float) -> NDArray[np.float64]:
-        assert self._plan is not None
-        begin, inputs, step = self._plan
-        return inputs[min(max(int((time - begin) / step), 0), len(inputs) - 1)]
 
     def _follow_plan(self, time: float) -> None:
         """The present plan's segments up to a time, which is past the last change."""
-        if self._plan is None:
-            return
-        begin, inputs, step = self._plan
-        last = float(self._times[self._count - 1])
-        first = math.floor((last - begin) / step) + 1
-        for segment in range(max(first, 1), len(inputs)):
-            start = begin + segment * step
-            if start > time:
-                return
-            if start > last:
-                self._change(start, inputs[segment])
+        (begin, inputs, step), last = self._plan, float(self._times[-1])
+        for segment in range(1, len(inputs)):
+            if last < begin + segment * step <= time:
+                self._change(begin + segment * step, inputs[segment])
 
     def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
         """Other inputs are flown from a time on, not before the last change."""
-        now = self._count - 1
-        held = self._inputs[:, now]
-        if (held == inputs).all():
+        held, before = self._inputs[-1, :, np.newaxis], self._rates[-1]
+        if (held[:, 0] == inputs).all():
             return
-        if self._count == len(self._times):
-            for array in (self._inputs.T, self._rates.swapaxes(0, 1), self._times, self._gained):
-                array[:CAPACITY] = array[CAPACITY:]
-            self._count, now = CAPACITY, CAPACITY - 1
-            held = self._inputs[:, now]
-        elapsed = time - float(self._times[now])
-        before, column = self._rates[:, now], held[:, np.newaxis]
-        after = (before - column) * np.exp(-elapsed * _RATES) + column
-        self._rates[:, now + 1] = after
+        elapsed = time - float(self._times[-1])
+        after = (before - held) * np.exp(-elapsed * _RATES) + held
         lost = (before[ACCELERATION] - after[ACCELERATION]) / _RATES
-        self._gained[now + 1] = self._gained[now] + held[ACCELERATION] * elapsed + lost
-        self._times[now + 1], self._inputs[:, now + 1] = time, inputs
-        self._count += 1
+        gained = self._gained[-1] + held[ACCELERATION] * elapsed + lost
+        changes = (
+            (self._times, time),
+            (self._inputs, inputs),
+            (self._rates, after),
+            (self._gained, gained),
+        )
+        for values, newest in changes:
+            values[:-1] = values[1:]
+            values[-1] = newest

@@ -33,7 +33,6 @@ frequencies.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,19 +74,15 @@ class ResponseEstimator:
     def __init__(self, commanded: int = 3) -> None:
         self._followed = commanded > EVERY
         self._candidates = ResponseCandidates()
-        shape = 3, len(DEAD_TIMES) * len(LAGS)
-        self._before, self._passed = np.zeros(shape), np.zeros(shape)
-        self._work = np.zeros(shape)
-        # Of x x, of x y, and of x with that of the next dead time.
-        self._power, self._product = np.zeros(shape), np.zeros(shape)
-        self._next = np.zeros((3, shape[1] - len(LAGS)))
-        self._next_work = np.zeros_like(self._next)
         self.reset()
 
     def reset(self) -> None:
         """Forget all: another aircraft."""
-        for sums in (self._power, self._product, self._next, self._passed):
-            sums[:] = 0.0
+        shape = 3, len(DEAD_TIMES) * len(LAGS)
+        self._before, self._passed = np.zeros(shape), np.zeros(shape)
+        # Of x x, of x y, and of x with that of the next dead time.
+        self._power, self._product = np.zeros(shape), np.zeros(shape)
+        self._next = np.zeros((3, shape[1] - len(LAGS)))
         # Of 1, y y, the products of successive residuals, and their lags.
         self._sums = np.zeros((4, 3))
         self._residual, self._measured_passed = np.zeros(3), np.zeros(3)
@@ -169,44 +164,22 @@ class ResponseEstimator:
         self, time: float, elapsed: float, measured: NDArray[np.float64], usable: NDArray[np.bool_]
     ) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""
-        work, passed = self._work, self._passed
-        responses = self._candidates.at(time).reshape(work.shape)
+        responses = self._candidates.at(time).reshape(self._passed.shape)
         weights = usable & self._used
-        every = bool(weights.all())
         column = weights[:, np.newaxis]
         kept, forgotten = math.exp(-elapsed / WASHOUT), math.exp(-elapsed / MEMORY)
-        np.subtract(responses, self._before, out=work)
-        np.copyto(self._before, responses)
-        if not every:
-            work *= column
-        passed += work
-        passed *= kept
-        self._measured_passed += weights * (measured - self._measured)
-        self._measured_passed *= kept
-        self._measured, self._used = measured, usable
+        passed = kept * (self._passed + column * (responses - self._before))
+        y = kept * (self._measured_passed + weights * (measured - self._measured))
+        self._before, self._passed = responses, passed
+        self._measured, self._measured_passed, self._used = measured, y, usable
 
-        y = self._measured_passed
-        weighted = y * weights
-        np.multiply(passed, passed, out=work)
-        if not every:
-            work *= column
-        self._power *= forgotten
-        self._power += work
-        np.multiply(passed[:, : -len(LAGS)], passed[:, len(LAGS) :], out=self._next_work)
-        if not every:
-            self._next_work *= column
-        self._next *= forgotten
-        self._next += self._next_work
-        np.multiply(passed, weighted[:, np.newaxis], out=work)
-        self._product *= forgotten
-        self._product += work
-        residual = y - self._gains * passed[EVERY, self._nearest]
-        self._sums *= forgotten
-        self._sums[0] += weights
-        self._sums[1] += weighted * y
-        residual *= weights
-        self._sums[2] += residual * self._residual
-        self._sums[3] += residual * residual
+        successive = passed[:, : -len(LAGS)] * passed[:, len(LAGS) :]
+        self._power = forgotten * self._power + column * passed**2
+        self._next = forgotten * self._next + column * successive
+        self._product = forgotten * self._product + passed * (column * y[:, np.newaxis])
+        residual = weights * (y - self._gains * passed[EVERY, self._nearest])
+        sums = weights, weights * y**2, residual * self._residual, residual**2
+        self._sums = forgotten * self._sums + sums
         self._residual = residual
 
     def _refined(self, axis: int) -> ChannelResponse:
@@ -217,16 +190,17 @@ class ResponseEstimator:
         weight, squared_response, successive, squared = self._sums[:, axis].tolist()
         if not np.any(power > 0.0):
             return ChannelResponse()
-        found = _between(power, product, self._next[axis].reshape(columns))
-        dead_times, gains, bends = found.dead_time, found.gain, found.bend
-        valley = squared_response - found.explained
+        following = self._next[axis].reshape(columns)
+        dead_times, gains, explained, bends = _between(power, product, following)
+        valley = squared_response - explained
         # Along the valley, over the lag.
         best = min(max(int(np.argmin(valley)), 1), len(LAGS) - 2)
         three = slice(best - 1, best + 2)
         lags = LAGS[three]
-        lag, least, bend = (float(v) for v in _minimum(lags, valley[three]))
-        delay = _parabola(lags, LAGS[three] + dead_times[three], lag)
-        gain = min(max(_parabola(lags, gains[three], lag), GAIN_LIMITS[0]), GAIN_LIMITS[1])
+        lag, least, bend = _minimum(lags, valley[three])
+        delays = _parabola(lags, lags + dead_times[three])
+        gain_there = _parabola(lags, gains[three])
+        delay, gain = float(delays(lag)), float(np.clip(gain_there(lag), *GAIN_LIMITS))
         nearest = int(np.argmin(np.abs(DEAD_TIMES - dead_times[best])))
         self._nearest[axis], self._gains[axis] = nearest * len(LAGS) + best, gain
 
@@ -240,9 +214,9 @@ class ResponseEstimator:
         along = math.sqrt(of_lag)
         lag_rounding, delay_rounding, gain_rounding = ROUNDING
         lag_deviation = math.hypot(along, lag_rounding)
-        sway = abs(_slope(lags, LAGS[three] + dead_times[three], lag)) * along
+        sway = abs(float(delays.deriv()(lag))) * along
         of_dead_time = 2.0 * variance / max(float(bends[best]), 1e-300)
-        gain_sway = abs(_slope(lags, gains[three], lag)) * along
+        gain_sway = abs(float(gain_there.deriv()(lag))) * along
         of_gain = variance / max(float(power[nearest, best]), 1e-300)
         return ChannelResponse(
             lag=lag,
@@ -255,18 +229,9 @@ class ResponseEstimator:
         )
 
 
-class _Best(NamedTuple):
-    """For each lag the best dead time, the gain there, what of y y it explains, and J'' over D."""
-
-    dead_time: NDArray[np.float64]
-    gain: NDArray[np.float64]
-    explained: NDArray[np.float64]
-    bend: NDArray[np.float64]
-
-
 def _between(
     power: NDArray[np.float64], product: NDArray[np.float64], following: NDArray[np.float64]
-) -> _Best:
+) -> tuple[NDArray[np.float64], ...]:
     """Best dead times between those of the grid, for each lag.
 
     Between two dead times a response is taken as linear: least squares with both of them.
@@ -275,6 +240,9 @@ def _between(
         power: Sums of x x, shape (dead times, lags).
         product: Of x y, shape (dead times, lags).
         following: Of x with that of the next dead time, shape (dead times - 1, lags).
+
+    Returns:
+        For each lag the best dead time, the gain there, what of y y it explains, and J'' over D.
     """
     p, q, a = power[:-1], power[1:], following
     y, z = product[:-1], product[1:]
@@ -290,7 +258,7 @@ def _between(
     explained = gain * (2.0 * mixed - gain * mixed_power)
     best = explained.argmax(axis=0), np.arange(power.shape[1])
     apart_in_time = np.diff(DEAD_TIMES)[best[0]]
-    return _Best(
+    return (
         DEAD_TIMES[best[0]] + share[best] * apart_in_time,
         gain[best],
         explained[best],
@@ -298,33 +266,18 @@ def _between(
     )
 
 
-def _minimum(points: Any, values: Any) -> tuple[Any, Any, Any]:
+def _minimum(
+    points: NDArray[np.float64], values: NDArray[np.float64]
+) -> tuple[float, float, float]:
     """Of the parabola through three points, inside of them: where, how much, second derivative."""
-    (left, middle, right), (first, second, third) = points, values
-    rise, fall = (third - second) / (right - middle), (second - first) / (middle - left)
-    bend = 2.0 * (rise - fall) / (right - left)
-    slope = fall + 0.5 * bend * (middle - left)  # at the middle
-    where = middle - slope / np.where(bend > 0.0, bend, math.inf)
-    where = np.clip(where, left, right)
-    off = where - middle
+    (left, middle, right), parabola = points.tolist(), _parabola(points, values)
+    bend, slope = float(parabola.deriv(2)(middle)), float(parabola.deriv()(middle))
+    where = min(max(middle - slope / bend, left), right) if bend > 0.0 else middle
     # At the edge of the grid the cost may bend the other way.
-    least = 2.0 * np.abs(third - first) / (right - left) ** 2
-    return where, second + off * (slope + 0.5 * bend * off), np.maximum(bend, least)
+    least = 2.0 * abs(float(values[2] - values[0])) / (right - left) ** 2
+    return where, float(parabola(where)), max(bend, least)
 
 
-def _parabola(points: Any, values: Any, where: float) -> float:
-    """The parabola through three points at a place."""
-    (left, middle, right), (first, second, third) = points, values
-    return float(
-        first * (where - middle) * (where - right) / ((left - middle) * (left - right))
-        + second * (where - left) * (where - right) / ((middle - left) * (middle - right))
-        + third * (where - left) * (where - middle) / ((right - left) * (right - middle))
-    )
-
-
-def _slope(points: Any, values: Any, where: float) -> float:
-    """Slope of the parabola through three points at a place."""
-    (left, middle, right), (first, second, third) = points, values
-    rise, fall = (third - second) / (right - middle), (second - first) / (middle - left)
-    bend = 2.0 * (rise - fall) / (right - left)
-    return float(fall + 0.5 * bend * (2.0 * where - left - middle))
+def _parabola(points: NDArray[np.float64], values: NDArray[np.float64]) -> np.polynomial.Polynomial:
+    """The parabola through three points."""
+    return np.polynomial.Polynomial(np.linalg.solve(np.vander(points, increasing=True), values))
