@@ -30,7 +30,6 @@ as the newest agree with them, and the newest alone where they do not, for the n
 
 from __future__ import annotations
 
-from bisect import bisect_left, insort
 from collections import deque
 
 import numpy as np
@@ -62,11 +61,8 @@ class MeasurementNoise:
     def reset(self) -> None:
         """Believe again what is told."""
         self._recent: deque[tuple[float, NDArray[np.float64], float]] = deque(maxlen=2)
-        self._begin([CHI_SQUARE] * PRIOR)
+        self._squares = deque([CHI_SQUARE] * PRIOR, maxlen=WINDOW)
         self.scale, self.known = 1.0, False
-
-    def _begin(self, squares: list[float]) -> None:
-        self._window, self._ranked = deque(squares), sorted(squares)
 
     def see(self, time: float, position: NDArray[np.float64], variance: float) -> None:
         """Take in a position, whether or not a filter believes it.
@@ -87,25 +83,12 @@ class MeasurementNoise:
         recent.append((time, position, variance))
 
     def _add(self, square: float) -> None:
-        window, ranked = self._window, self._ranked
-        window.append(square)
-        insort(ranked, square)
-        if len(window) > WINDOW:
-            del ranked[bisect_left(ranked, window.popleft())]
-        level = _quantile(ranked)
-        if len(window) >= 2 * NEWEST:
-            newest = list(window)[-NEWEST:]
-            recent = _quantile(sorted(newest))
+        self._squares.append(square)
+        level = np.quantile(self._squares, QUANTILE)
+        if len(self._squares) >= 2 * NEWEST:
+            newest = list(self._squares)[-NEWEST:]
+            recent = np.quantile(newest, QUANTILE)
             if not level <= CHANGED * recent <= CHANGED**2 * level:
-                self._begin(newest)
-                level = recent
-        self.scale = min(max(level / CHI_SQUARE, SCALE_MIN), SCALE_MAX)
-        self.known = len(window) >= KNOWN
-
-
-def _quantile(ranked: list[float]) -> float:
-    """The quantile of a list in ascending order, between its neighbours."""
-    place = QUANTILE * (len(ranked) - 1)
-    below = int(place)
-    above = min(below + 1, len(ranked) - 1)
-    return ranked[below] + (place - below) * (ranked[above] - ranked[below])
+                self._squares, level = deque(newest, maxlen=WINDOW), recent
+        self.scale = min(max(float(level) / CHI_SQUARE, SCALE_MIN), SCALE_MAX)
+        self.known = len(self._squares) >= KNOWN
