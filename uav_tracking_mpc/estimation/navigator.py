@@ -267,11 +267,9 @@ class Navigator:
         blowing = air[2:6]
         faded = self._fading(time).reshape(-1)
         ahead = self._outlook(motion, turning, faded, blowing, self._times)
-        target, drift, drift_rate = (rows[0] for rows in ahead)
-        present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
+        present = Situation(air.vehicle, *ahead[:, 0], air.rates)
         self.wind = air.wind + air.gust
-        targets, drifts, drift_rates = (rows[1:] for rows in ahead)
-        forecast = Forecast(targets, drifts, drift_rates, air.gust_walk)
+        forecast = Forecast(*ahead[:, 1:], air.gust_walk)
         if delay == 0.0:
             return Estimate(present, present, forecast)
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)

@@ -24,32 +24,23 @@ time T: at a time t from now, with wind w, gust g, the target's velocity v and a
 from __future__ import annotations
 
 import functools
-from typing import NamedTuple
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.estimation.turn_prediction import turned
+from uav_tracking_mpc.estimation.turn_prediction import TURN
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
+from uav_tracking_mpc.symbolic.layout import Layout
 
 # s: a measurement corrects the target's track by steps. They are faded in with this time constant,
 # or those of a noisy track would go straight into the bank angle.
 FADE_TIME = 1.0
-
-
-class Ahead(NamedTuple):
-    """Target and drift at times from now on.
-
-    Attributes:
-        target: Position in ``map``, shape (n, 3), in [m].
-        drift: c, shape (n, 3), in [m/s].
-        drift_rate: c', shape (n, 3), in [m/s^2].
-    """
-
-    target: NDArray[np.float64]
-    drift: NDArray[np.float64]
-    drift_rate: NDArray[np.float64]
+TOLD = Layout(
+    motion=9, variance=1, turn_rate=1, travelled=1, left=1, faded=6,
+    wind=3, trend=3, gust=3, times=3,
+)  # fmt: skip
 
 
 class Outlook:
@@ -70,7 +61,7 @@ class Outlook:
         faded: ArrayLike,
         air: tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike],
         times: ArrayLike,
-    ) -> Ahead:
+    ) -> NDArray[np.float64]:
         """Target and drift at times from now on.
 
         Args:
@@ -82,54 +73,38 @@ class Outlook:
             air: Mean wind [m/s], its trend [m/s^2], gust [m/s] and its correlation times [s], shape
                 (3,) each.
             times: From now on, shape (n,), in [s].
+
+        Returns:
+            The target's position in ``map`` [m], c [m/s] and c' [m/s^2], shape (3, n, 3).
         """
-        for kept, values in zip(
-            self._function.arguments, (motion, track, faded, *air, times), strict=True
-        ):
-            kept[:] = values
+        told, ahead = self._function.arguments
+        told[:], ahead[:] = np.concatenate([motion, track, faded, *air]), times
         self._function.evaluate()
-        rows = self._function.results[0].reshape(self._count, 9).copy()
-        return Ahead(rows[:, :3], rows[:, 3:6], rows[:, 6:])
+        return self._function.results[0].reshape(self._count, 3, 3).swapaxes(0, 1).copy()
 
 
 @functools.cache
 def _function(count: int, rewind: float) -> ca.Function:
     """What :class:`Outlook` evaluates; to derive it takes fifty milliseconds."""
-    names = (
-        ("motion", 9),
-        ("track", 4),
-        ("faded", 6),
-        ("wind", 3),
-        ("trend", 3),
-        ("gust", 3),
-        ("times", 3),
-    )
-    told, times = [ca.SX.sym(name, size) for name, size in names], ca.SX.sym("ahead", count)
-    rows = ca.horzcat(*[_at(rewind, time, *told) for time in ca.vertsplit(times)])
-    return ca.Function("outlook", [*told, times], [rows], {"cse": True})
+    told, parts = TOLD.symbol("told")
+    times = ca.SX.sym("ahead", count)
+    rows = ca.horzcat(*[_at(rewind, time, parts) for time in ca.vertsplit(times)])
+    return ca.Function("outlook", [told, times], [rows], {"cse": True})
 
 
-def _at(
-    rewind: float,
-    time: ca.SX,
-    motion: ca.SX,
-    track: ca.SX,
-    faded: ca.SX,
-    wind: ca.SX,
-    trend: ca.SX,
-    gust: ca.SX,
-    times: ca.SX,
-) -> ca.SX:
+def _at(rewind: float, time: ca.SX, told: SimpleNamespace) -> ca.SX:
     """Target's position, c and c' at one time."""
-    variance, turn_rate, travelled, left = ca.vertsplit(track)
-    lead = ca.fmax(travelled + left * time, -rewind)
-    position, velocity, acceleration = turned(motion, variance, turn_rate, lead)
+    left = told.left
+    lead = ca.fmax(told.travelled + left * time, -rewind)
+    position, velocity, acceleration = ca.vertsplit(
+        TURN(told.motion, told.variance, told.turn_rate, lead), 3
+    )
     share = ca.exp(-time / FADE_TIME)
-    blowing = ca.exp(-time / times) * gust
+    blowing = ca.exp(-time / told.times) * told.gust
     return ca.densify(
         ca.vertcat(
-            position + share * faded[:3],
-            wind + time * trend + blowing - left * velocity - share * faded[3:],
-            trend - blowing / times - left**2 * acceleration,
+            position + share * told.faded[:3],
+            told.wind + time * told.trend + blowing - left * velocity - share * told.faded[3:],
+            told.trend - blowing / told.times - left**2 * acceleration,
         )
     )

@@ -56,19 +56,18 @@ def predict_turn(
     Returns:
         Shape (3, n, 3): positions, velocities, accelerations.
     """
-    columns = _TURN(state.reshape(-1), covariance[2, 2], turn_rate, leads[np.newaxis])
+    columns = TURN(state.reshape(-1), covariance[2, 2], turn_rate, leads[np.newaxis])
     return np.array(columns).reshape(3, 3, -1).swapaxes(1, 2)
 
 
-def turned(motion: ca.SX, variance: ca.SX, turn_rate: ca.SX, lead: ca.SX) -> list[ca.SX]:
-    """Position, velocity and acceleration a time ahead of now, shape (3,) each, as expressions.
+def _turn() -> ca.Function:
+    """Position, velocity and acceleration a time ahead of now, shape (9,).
 
-    Args:
-        motion: Position, velocity, acceleration now, shape (9,).
-        variance: Of the acceleration on each axis, positive, in [m^2/s^4].
-        turn_rate: omega in [rad/s].
-        lead: Time ahead in [s].
+    Of position, velocity, acceleration now, shape (9,), the variance of the acceleration on each
+    axis [m^2/s^4], omega [rad/s] and the time [s].
     """
+    motion, variance = ca.SX.sym("motion", 9), ca.SX.sym("variance")
+    turn_rate, lead = ca.SX.sym("turn_rate"), ca.SX.sym("lead")
     position, velocity, acceleration = motion[:3], motion[3:6], motion[6:]
     speed = ca.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
     u_x = ca.if_else(speed > 0.0, velocity[0] / speed, 1.0)
@@ -79,41 +78,19 @@ def turned(motion: ca.SX, variance: ca.SX, turn_rate: ca.SX, lead: ca.SX) -> lis
     along *= along * along / (along * along + variance)
     # Speed gained after a long time; braking ends at rest.
     gained = ca.fmax(along * SPEED_TIME, -speed)
-    # Along u and across it, v = lasting e^(turn t) - gained e^(fade t), turn = i omega and
-    # fade = i omega - 1 / tau, and so are its derivative and integral.
+    # v = u (lasting e^(turn t) - gained e^(fade t)), turn = i omega and fade = i omega - 1 / tau.
     lasting, decay = speed + gained, ca.exp(-lead / SPEED_TIME)
     cosine, sine = ca.cos(rate * lead), ca.sin(rate * lead)
-    fading = decay * cosine, decay * sine
-    passed = _quotient((fading[0] - 1.0, fading[1]), rate)
-    moved = [
-        lasting * sine / rate - gained * passed[0],
-        lasting * (1.0 - cosine) / rate - gained * passed[1],
-    ]
-    speeds = lasting * cosine - gained * fading[0], lasting * sine - gained * fading[1]
-    changes = (
-        -rate * lasting * sine - gained * (-fading[0] / SPEED_TIME - rate * fading[1]),
-        rate * lasting * cosine - gained * (rate * fading[0] - fading[1] / SPEED_TIME),
-    )
-    level = [
-        (u_x * ahead - u_y * left, u_y * ahead + u_x * left)
-        for ahead, left in (moved, speeds, changes)
-    ]
-    return [
-        position + ca.vertcat(*level[0], velocity[2] * lead),
-        ca.vertcat(*level[1], velocity[2]),
-        ca.vertcat(*level[2], 0.0),
-    ]
-
-
-def _quotient(dividend: tuple[ca.SX, ca.SX], rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """A complex number over i omega - 1 / tau."""
-    real, imaginary = dividend
+    # Its integral along u and across it; that of the second term is over fade.
+    real, imaginary = decay * cosine - 1.0, decay * sine
     size = rate**2 + 1.0 / SPEED_TIME**2
-    return (
-        (rate * imaginary - real / SPEED_TIME) / size,
-        (-rate * real - imaginary / SPEED_TIME) / size,
-    )
+    ahead = lasting * sine / rate - gained * (rate * imaginary - real / SPEED_TIME) / size
+    left = lasting * (1.0 - cosine) / rate + gained * (rate * real + imaginary / SPEED_TIME) / size
+    level = u_x * ahead - u_y * left, u_y * ahead + u_x * left
+    position += ca.vertcat(*level, velocity[2] * lead)
+    velocity = ca.jacobian(position, lead)
+    after = ca.vertcat(position, velocity, ca.jacobian(velocity, lead))
+    return ca.Function("turn", [motion, variance, turn_rate, lead], [ca.densify(after)])
 
 
-_SYMBOLS = [ca.SX.sym(name, size) for name, size in (("m", 9), ("q", 1), ("w", 1), ("t", 1))]
-_TURN = ca.Function("turn", _SYMBOLS, [ca.densify(ca.vertcat(*turned(*_SYMBOLS)))])
+TURN = _turn()
