@@ -20,7 +20,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.compass_check import COMPASS_CHECK, compass_checked, strayed
+from uav_tracking_mpc.estimation.compass_check import BACK, COMPASS_CHECK, SNAP, compass_checked
 from uav_tracking_mpc.estimation.sensor_check import (
     AIR_CHECK,
     AIRSPEED,
@@ -71,29 +71,31 @@ class AirCheck(Evaluated):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
             seen = heading, reading, present, level, air, deviation, settled, moved
-            seen = *seen, (rates[0], 1.0), rates[1], rates[2]
+            seen = *seen, 1.0, rates[0], rates[1]
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
-        super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 2, 3, 3])
-        self.time = 0.0
+        super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 2, 3, 2])
+        self.time, self.heading = 0.0, 0.0
 
     @property
     def reasons(self):
         codes = self.layout.parts(self.memory).reasons
         return ["" if code == 0.0 else STATES[int(code)] for code in codes]
 
-    def judge(self, time, heading, reading, level, air, deviations, explained, rates):
+    def judge(self, time, heading, reading, level, air, deviations, explained, acceleration):
         elapsed, self.time = time - self.time, time
+        strayed = math.remainder(heading - self.heading - elapsed * TURN, math.tau)
+        self.heading = heading
         present = reading is not None
         seen = heading, reading or 0.0, present, level, np.concatenate(air), deviations
-        turned, along = self(elapsed, *seen, explained, rates)
+        turned, along = self(elapsed, *seen, explained, [strayed, acceleration])
         return float(turned[0]), float(along[0])
 
 
 def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, **more):
     """Circle in a wind that is known; what was gone by at last, and the reasons on the way."""
-    reasons, rates = [], [TURN, 0.0, more.get("acceleration", 0.0)]
+    reasons, acceleration = [], more.get("acceleration", 0.0)
     explained = more.get("explained", lambda time: np.zeros(3))
     for k in range(round(begin / STEP), round(end / STEP)):
         time = k * STEP
@@ -105,7 +107,7 @@ def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, 
         seen = math.remainder(heading + heading_error, 2.0 * math.pi)
         measured = reading(time)
         airs, deviations = [air, by_airspeed], [more.get("deviation", 0.1)] * 2
-        known = airs, deviations, explained(time), rates
+        known = airs, deviations, explained(time), acceleration
         by_wind = check.judge(time, seen, measured, 1.0, *known)
         out = check.reasons
         gone_by = by_wind[0] if out[HEADING] else seen, by_wind[1] if out[AIRSPEED] else measured
@@ -366,13 +368,14 @@ def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0, stuck=
     """Headings that are gone by, and whether they have jumped."""
     stuck = np.zeros(len(headings)) if stuck is None else stuck
     memory = np.zeros(COMPASS_CHECK.size)
-    COMPASS_CHECK.parts(memory).heading[:] = headings[0]
+    COMPASS_CHECK.parts(memory).nose[:] = headings[0]
     check = Evaluated(compass_checked, COMPASS_CHECK, memory, [1, 1, 1, 1, 1, 1])
     found = [
-        check(step, heading, turn, alone, stands, deviation)
-        for heading, stands in zip(headings, stuck, strict=True)
+        check(step * (k > 0), heading, turn, alone, stands, deviation)
+        for k, (heading, stands) in enumerate(zip(headings, stuck, strict=True))
     ]
-    return [float(heading[0]) for heading, _ in found], [bool(jumped[0]) for _, jumped in found]
+    snapped = np.array([float(angle[0]) for _, angle in found])
+    return headings - snapped, (np.abs(snapped) > BACK * SNAP).tolist()
 
 
 def test_a_heading_that_is_stuck_without_an_airspeed_goes_on_as_the_gyros_turn():
@@ -418,12 +421,14 @@ def test_a_noisy_heading_and_one_that_is_seldom_measured_jump_nowhere(step, nois
 
 @pytest.mark.parametrize("bias", [0.0, 0.02])
 def test_a_compass_that_drifts_strays_and_one_beside_gyros_with_a_bias_does_not(bias):
-    check, turn, drift = Evaluated(strayed, COMPASS_CHECK, np.zeros(5), [1, 1, 1]), 0.1, 0.0175
+    memory, sizes = np.zeros(COMPASS_CHECK.size), [1, 1, 1, 1, 1, 1]
+    check, turn, drift = Evaluated(compass_checked, COMPASS_CHECK, memory, sizes), 0.1, 0.0175
     apart = []
     for k in range(2000):
         time = k * STEP
         nose = turn * time + drift * max(time - 85.0, 0.0)
-        (angle,) = check(STEP * (k > 0), math.remainder(nose, math.tau), turn + bias)
+        nose = math.remainder(nose, math.tau)
+        angle, _ = check(STEP * (k > 0), nose, turn + bias, 0.0, 0.0, 0.0)
         apart.append(angle[0])
     assert sum(apart[:1700]) == pytest.approx(0.0, abs=0.01)
     assert sum(apart[1700:1900]) == pytest.approx(10.0 * drift, rel=0.1)

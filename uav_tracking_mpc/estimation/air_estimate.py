@@ -80,7 +80,7 @@ LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
-    rates=3, biased=3, turn=1, turn_told=1, compass=1, stuck=2,
+    rates=3, biased=3, turn_told=1, compass=1, stuck=2,
     noise=3, position_noise=3, velocity_noise=3, scales=3,
 )  # fmt: skip
 MEMORY = Layout(
@@ -136,7 +136,6 @@ class AirEstimate:
         self._memory, seen = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(seen)
         self._filter = LANE.parts(self._known.main)
-        self._rate_bias = RATE_AIDED.parts(self._known.aided).bias
         self._doubts = AIR_CHECK.parts(self._known.air).doubts
         self._step = BufferedFunction(_step(), [self._memory, seen])
         self._found = FOUND.parts(self._step.results[1])
@@ -237,7 +236,6 @@ class AirEstimate:
         seen.rates[:], seen.stuck[:] = rates, stuck
         seen.biased[:2] = nose is None
         seen.compass[0], seen.turn_told[0] = nose or (measurement.heading, rates[0])
-        seen.turn[0] = seen.turn_told[0] - (self._rate_bias[0] if nose is None else 0.0)
         seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
         seen.position_noise[:], seen.velocity_noise[:] = noise.position, noise.velocity
         seen.scales[:2], seen.scales[2] = scales.long, scales.short
@@ -261,7 +259,6 @@ class AirEstimate:
         motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
         rate_aided.begin_values(RATE_AIDED.parts(known.aided), motion, seen.rates, seen.noise)
         known.velocity[:] = known.place[:] = known.way[:] = known.compass[:] = 0.0
-        COMPASS_CHECK.parts(known.compass).heading[:] = seen.heading
         way = WAY_CHECK.parts(known.way)
         way.begin[:], way.before[:] = seen.position, seen.ground
         follower = wind_filter.FOLLOWER.parts(known.follower)
@@ -337,16 +334,16 @@ def _step() -> ca.Function:
     # Airspeed and heading
     turn_told = ca.logic_not(seen.turn_told == 0.0)
     variance = rate_aided.METERS.layout.parts(RATE_AIDED.parts(known.aided).meters).held[0]
-    compass, heading, snapped = compass_check.compass_checked(
+    compass, strayed, snapped = compass_check.compass_checked(
         COMPASS_CHECK.parts(known.compass),
         dt,
-        seen.heading,
-        seen.turn,
+        seen.compass,
+        seen.turn_told,
         ca.logic_and(no_airspeed_used, turn_told),
         seen.stuck[0],
         ca.fmax(ca.sqrt(variance), seen.noise[0]),
     )
-    compass, strayed = compass_check.strayed(compass, dt, seen.compass, seen.turn_told)
+    heading = seen.heading - snapped
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
     level_wind = [lane.triangle[LEVEL_WIND] for lane in lanes[1:]]
@@ -364,7 +361,7 @@ def _step() -> ca.Function:
         wind_deviations,
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
-        (seen.turn, turn_told),
+        turn_told,
         strayed,
         seen.rates[2],
     )
@@ -429,7 +426,7 @@ def _step() -> ca.Function:
         quick=quick,
         aided=RATE_AIDED.joined(aided),
         air=air,
-        compass=COMPASS_CHECK.joined(compass),
+        compass=compass,
         follower=follower,
         velocity=velocity,
         way=way,
@@ -446,7 +443,7 @@ def _step() -> ca.Function:
         gust=gust,
         times=ahead[MAIN].times,
         states=ca.vertcat(reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])),
-        snapped=snapped,
+        snapped=ca.fabs(snapped) > compass_check.BACK * compass_check.SNAP,
         changed=changed,
         without=blind.state[W],
         known=ca.mmax(blind.triangle[LEVEL_WIND]) <= sensor_check.WIND_KNOWN**2,

@@ -34,54 +34,41 @@ from uav_tracking_mpc.symbolic.layout import Layout
 # turns unless its gyros tell it; and the share of the first one below which it is right again
 SNAP, SNAP_RATE, SNAP_DEVIATIONS, BACK = 0.1, 0.3, 8.0, 0.5
 GYRO_TIME = 120.0  # s, memory of the gyros' bias: a compass that drifts is found before
-COMPASS_CHECK = Layout(heading=1, snapped=1, nose=1, rate=1, known_for=1)
+COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1)
 
 
 def compass_checked(
     known: SimpleNamespace,
     elapsed: ca.SX,
-    heading: ca.SX,
+    nose: ca.SX,
     turn: ca.SX,
     alone: ca.SX,
     stuck: ca.SX,
     deviation: ca.SX,
-) -> tuple[SimpleNamespace, ca.SX, ca.SX]:
-    """What is known after a heading, the heading without its jumps, and whether it has jumped.
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """What is known after a compass, what it strays by from the gyros, and by what it has jumped.
+
+    The latter two in [rad]: since the compass before, and since it has been right.
 
     Args:
-        known: By :data:`COMPASS_CHECK`: the heading before, and by how much it has jumped, [rad].
-        elapsed: Since then in [s].
-        heading: As measured in [rad].
-        turn: By the gyros in [rad/s].
-        alone: Whether no airspeed is used, and the gyros tell the turn.
-        stuck: Whether it stays the same though it turns.
-        deviation: Standard deviation of the heading's noise in [rad].
-    """
-    jump = ca.remainder(heading - known.heading - elapsed * turn, math.tau)
-    most = SNAP + SNAP_RATE * elapsed + SNAP_DEVIATIONS * deviation
-    jumps = ca.logic_or(ca.fabs(jump) > most, stuck)
-    snapped = ca.remainder(known.snapped + jumps * jump, math.tau)
-    snapped = ca.if_else(alone, snapped, 0.0)
-    after = SimpleNamespace(**vars(known) | {"heading": heading, "snapped": snapped})
-    return after, heading - snapped, ca.fabs(snapped) > BACK * SNAP
-
-
-def strayed(
-    known: SimpleNamespace, elapsed: ca.SX, nose: ca.SX, turn: ca.SX
-) -> tuple[SimpleNamespace, ca.SX]:
-    """What is known after a compass, and what it has turned by besides gyros and their bias [rad].
-
-    Args:
-        known: By :data:`COMPASS_CHECK`: the compass before [rad], how quickly it strays from the
-            gyros on average [rad/s], since when that is known [s].
-        elapsed: Since then in [s].
+        known: By :data:`COMPASS_CHECK`: the compass before, by how much it has jumped [rad], how
+            quickly it strays from the gyros on average [rad/s], since when that is known [s].
+        elapsed: Since the compass before in [s].
         nose: Where the compass says that the nose points, in [rad].
         turn: How it turns by the gyros, as they are measured, in [rad/s].
+        alone: Whether no airspeed is used, and the gyros tell the turn.
+        stuck: Whether the compass stays the same though the aircraft turns.
+        deviation: Standard deviation of the heading's noise in [rad].
     """
     apart = (elapsed > 0.0) * ca.remainder(nose - known.nose - elapsed * turn, math.tau)
-    most = SNAP_RATE * elapsed  # a jump is no bias
-    unusual = ca.fmax(-most, ca.fmin(apart, most)) - elapsed * known.rate
+    unusual, most = apart - elapsed * known.rate, SNAP_RATE * elapsed
+    jumps = ca.logic_or(ca.fabs(unusual) > SNAP + most + SNAP_DEVIATIONS * deviation, stuck)
     known_for = ca.fmin(known.known_for + elapsed, GYRO_TIME)
-    rate = known.rate + ca.if_else(known_for > 0.0, unusual / known_for, 0.0)
-    after = SimpleNamespace(**vars(known) | {"nose": nose, "rate": rate, "known_for": known_for})
-    return after, apart - elapsed * rate
+    learnt = ca.logic_not(jumps) * ca.fmax(-most, ca.fmin(unusual, most))  # a jump is no bias
+    change = ca.if_else(known_for > 0.0, learnt / known_for, 0.0)
+    strayed = unusual - elapsed * change
+    snapped = alone * ca.remainder(known.snapped + jumps * strayed, math.tau)
+    after = SimpleNamespace(
+        nose=nose, snapped=snapped, rate=known.rate + change, known_for=known_for
+    )
+    return COMPASS_CHECK.joined(after), strayed, snapped

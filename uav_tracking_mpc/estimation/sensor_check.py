@@ -102,13 +102,14 @@ DOUBT = 1.5  # m/s, by which a sound airspeed may read otherwise than the wind e
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
+ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the other one by that wind
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them. Of both
 # sensors' own changes in m/s what is taken for noise so far, what is a jump, what lasts. By how
 # much in m/s an airspeed may be too high, and too low, that nobody has found wrong yet.
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
-    recent=3, moved=1, reading=1, stood=1, gained=1, speed=1, heading=1, rough=2, own=2,
+    recent=3, moved=1, reading=1, stood=1, gained=1, speed=1, rough=2, own=2,
     drifted=2, doubts=2,
 )  # fmt: skip
 
@@ -282,7 +283,7 @@ def air_checked(
     wind_deviations: ca.SX,
     settled: ca.SX,
     explained: ca.SX,
-    turn: tuple[ca.SX, ca.SX],
+    turn_told: ca.SX,
     strayed: ca.SX,
     acceleration: ca.SX,
 ) -> tuple[ca.SX, list[ca.SX], ca.SX, ca.SX]:
@@ -304,23 +305,20 @@ def air_checked(
         settled: Whether the flight has lasted so long that no wind will be known better.
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
-        turn: How the heading turns by the gyros, in [rad/s]; and whether anything tells it.
+        turn_told: Whether anything tells how the heading turns.
         strayed: What the compass has turned by otherwise than the gyros measure, in [rad].
         acceleration: v' as commanded and flown in [m/s^2].
     """
     known = SimpleNamespace(**vars(known))
-    turned = ca.remainder(heading - known.heading, math.tau) - elapsed * turn[0]
     gained = level * (reading - known.reading - elapsed * acceleration)
-    own = ca.vertcat(gained, -ca.norm_2(air[1]) * turned)  # as residuals change with them
-    known.heading = heading
-    own_drift = ca.vertcat(gained, -ca.norm_2(air[1]) * strayed)
+    own = ca.vertcat(gained, -ca.norm_2(air[1]) * strayed)  # as residuals change with them
     along = air[0][0] * ca.cos(heading) + air[0][1] * ca.sin(heading)
     reason, is_heading = ca.vertsplit(known.reasons)
     was_silent = reason == CODE[SILENT]
     reason = ca.if_else(was_silent, CODE[USED], reason)
     weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
     reason = _stuck(known, elapsed, reason, reading, along, acceleration)
-    reasons = [ca.if_else(present, reason, CODE[SILENT]), is_heading]
+    reasons = ca.vertcat(ca.if_else(present, reason, CODE[SILENT]), is_heading)
 
     residuals = []
     for each in air:
@@ -344,8 +342,7 @@ def air_checked(
         weight,
         ca.vertcat(*residuals),
         own,
-        own_drift,
-        turn[1],
+        turn_told,
         ca.vertcat(*TURNED) * wind_deviations,
         MOVES * moved,
         ca.norm_2(explained - recent),
@@ -358,7 +355,7 @@ def air_checked(
     known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
     known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
     known.recent = ca.if_else(compared[AIRSPEED], recent, explained)
-    known.reasons = ca.if_else(known_winds, agreed, ca.vertcat(*reasons))
+    known.reasons = ca.if_else(known_winds, agreed, reasons)
     gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + MOVES * moved
     # When the comparison begins, the wind may still be what is wrong.
     early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
@@ -407,11 +404,10 @@ def _stuck(
 def _compared(
     known: SimpleNamespace,
     elapsed: ca.SX,
-    reasons: list[ca.SX],
+    reasons: ca.SX,
     weight: ca.SX,
     residuals: ca.SX,
     own: ca.SX,
-    own_drift: ca.SX,
     turn_told: ca.SX,
     turned: ca.SX,
     changes: ca.SX,
@@ -426,62 +422,54 @@ def _compared(
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
-    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + own_drift)
+    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + own)
     high_low = ca.vertcat(1.0, -1.0)
     doubts = ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT
     doubts *= weight[AIRSPEED] >= PRIOR_TIME + LASTING
     # It goes once the residual has gone: what has changed fades, and gusts may hide it for a while.
     fading = ca.fmax(high_low * lasting[AIRSPEED], known.doubts * (1.0 - elapsed / LASTING))
     doubts = ca.fmax(doubts, ca.fmin(known.doubts, fading))
-    jumps, agreed, reasons = now - before, [], list(reasons)
     rough = ca.if_else(fresh, 0.0, known.rough + own)
     smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
     owned = (1.0 - elapsed / CHANGE_TIME) * (ca.if_else(fresh, 0.0, known.own) + smooth)
-    again = [ca.SX(0.0)] * 2
-    for which in (AIRSPEED, HEADING):
-        its, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
-        usual = ca.sqrt(known.jumps[other] + turned[which] ** 2)
-        usual = ca.fmax(DEVIATIONS * usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[its]))
-        if which == AIRSPEED:  # in turbulence a wind that is not well known goes quickly elsewhere
-            usual = ca.fmax(usual, lately)
-        most = ca.fmax(LEAST_JUMP + usual, DOMINANCE * ca.fabs(jumps[other]))
-        least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
-        least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
-        if which == AIRSPEED:  # a heading is judged by a wind that does not know it
-            least += changes
-        reason = reasons[which]
-        free = ca.logic_and(reason == CODE[USED], reasons[1 - which] == CODE[USED])
-        jumped, by_sensor = ca.fabs(jumps[its]) > most, ca.sign(jumps[its]) * owned[which]
-        if which == HEADING:  # what the turn explains is not known
-            by_sensor = ca.if_else(turn_told, by_sensor, ca.fabs(jumps[its]))
-        by_air = jumped * (by_sensor < LEAST_SHARE * ca.fabs(jumps[its]))
-        jumped = ca.logic_and(jumped, by_sensor > OWN_SHARE * ca.fabs(jumps[its]))
-        off = ca.fabs(lasting[its]) > least
-        # An airspeed's bias from the start has been found after a minute, and is none of this.
-        drifts = ca.sign(lasting[its]) * drifted[which] > OWN_SHARE * ca.fabs(lasting[its])
-        drifts *= weight[which] >= (COMPARED if which == AIRSPEED else PRIOR_TIME + LASTING)
-        off *= drifts if which == AIRSPEED else drifts * turn_told
-        found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
-        agrees = ca.fabs(now[its]) < AGREEING * ca.fmin(most, least)
-        if which == AIRSPEED:
-            agrees = ca.logic_and(agrees, known.stood < STUCK_FOR)
-        for_long = ca.if_else(agrees, known.agreed[which] + elapsed, 0.0)
-        wrong = ca.logic_or(reason == CODE[JUMPED], reason == CODE[OFF])
-        again[which] = ca.logic_and(wrong, for_long > AGREED_FOR)
-        agreed.append(ca.if_else(wrong, for_long, 0.0))
-        reason = ca.if_else(free, found, reason)
-        by_air *= reason == CODE[JUMPED]
-        reasons[which] = ca.if_else(ca.logic_or(again[which], by_air), CODE[USED], reason)
-    anew = ca.vertcat(*again, *again)
+
+    # In turbulence a wind that is not well known goes quickly elsewhere; and a heading is judged by
+    # a wind that does not know it.
+    jumps, its_jump, its_lasting = now - before, (now - before)[ITS], lasting[ITS]
+    usual = DEVIATIONS * ca.sqrt(known.jumps[OTHER] + turned**2)
+    usual = ca.fmax(usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[ITS]))
+    usual = ca.fmax(usual, ca.vertcat(lately, 0.0))
+    most = ca.fmax(LEAST_JUMP + usual, DOMINANCE * ca.fabs(jumps[OTHER]))
+    least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[OTHER])
+    least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[OTHER])) + ca.vertcat(changes, 0.0)
+    by_sensor, size = ca.sign(its_jump) * owned, ca.fabs(its_jump)
+    by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
+    by_air = (size > most) * (by_sensor < LEAST_SHARE * size)
+    jumped = (size > most) * (by_sensor > OWN_SHARE * size)
+    # An airspeed's bias from the start has been found after a minute, and is none of this.
+    drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
+    drifts *= (weight >= ca.DM([COMPARED, PRIOR_TIME + LASTING])) * ca.vertcat(1.0, turn_told)
+    off = (ca.fabs(its_lasting) > least) * drifts
+    found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
+    agrees = ca.fabs(now[ITS]) < AGREEING * ca.fmin(most, least)
+    agrees[AIRSPEED] *= known.stood < STUCK_FOR
+    agrees *= ca.logic_or(reasons == CODE[JUMPED], reasons == CODE[OFF])
+    agreed = ca.if_else(agrees, known.agreed + elapsed, 0.0)
+    again = agreed > AGREED_FOR
+    both_used = ca.mmax(reasons) == CODE[USED]
+    free = both_used * ca.vertcat(1.0, found[AIRSPEED] == CODE[USED])
+    reasons = ca.if_else(free, found, reasons)
+    by_air *= reasons == CODE[JUMPED]
+    reasons = ca.if_else(ca.logic_or(again, by_air), CODE[USED], reasons)
+    anew = ca.repmat(again, 2)
     before, lasting = (ca.if_else(anew, now, value) for value in (before, lasting))
-    used = [reason == CODE[USED] for reason in reasons]
-    share = elapsed / _of_residuals(weight) * ca.vertcat(*used, *used)
+    share = elapsed / _of_residuals(weight) * ca.repmat(reasons == CODE[USED], 2)
     after = SimpleNamespace(
         now=now,
         before=before,
         lasting=lasting,
         weight=weight,
-        agreed=ca.vertcat(*agreed),
+        agreed=agreed,
         rough=rough - smooth,
         own=owned,
         drifted=drifted,
@@ -489,7 +477,7 @@ def _compared(
         jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )
-    return ca.vertcat(*reasons), after
+    return reasons, after
 
 
 def _of_residuals(winds: ca.SX) -> ca.SX:
