@@ -125,69 +125,30 @@ def _within(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)
 
 
-class Climb:
-    """Follows one aircraft's climb.
+class Followed:
+    """A value that is followed by a filter of second order: of a steady change it has no error.
 
     Attributes:
-        value: w, positive up, in [m/s].
-        rate: a in [m/s^2].
+        value: In any unit.
+        rate: Of it, per s.
     """
 
     def __init__(self) -> None:
         self.value = self.rate = 0.0
-        self._time = -math.inf
 
-    def see(self, time: float, measured: float, frequency: float) -> None:
-        """Take in a climb.
+    def see(self, step: float, measured: float, frequency: float) -> None:
+        """Take in a measurement, for which the filter's equation is solved as if it stood still.
 
         Args:
-            time: Of the measurement in [s].
-            measured: Positive up, in [m/s].
-            frequency: omega_w in [rad/s].
+            step: Since the one before in [s].
+            measured: The value.
+            frequency: omega in [rad/s].
         """
-        step, self._time = time - self._time, time
-        if not 0.0 < step <= LONGEST_STEP:
-            if step != 0.0:
-                self.value, self.rate = measured, 0.0
-            return
-        # The solution for a measurement that stands still during the step.
         faded, error = math.exp(-frequency * step), self.value - measured
         slope = self.rate - frequency * error
         error += step * slope
         self.value = measured + faded * error
         self.rate = faded * (slope + frequency * error)
-
-
-class ClimbByPitch:
-    """Follows what one aircraft climbs by besides where its nose points."""
-
-    def __init__(self) -> None:
-        self._steady, self._height, self._time = 0.0, math.nan, -math.inf
-
-    def see(self, time: float, by_pitch: float, measured: float, height: float) -> None:
-        """Take in a climb, while it can be believed.
-
-        Args:
-            time: Of the measurement in [s].
-            by_pitch: v sin(theta) in [m/s].
-            measured: Positive up, in [m/s].
-            height: In [m]; no number (NaN) where it is not known.
-        """
-        step, self._time, self._height = time - self._time, time, height
-        share = 1.0 - math.exp(-STEADY_CLIMB * step) if step <= LONGEST_STEP else 1.0
-        self._steady += share * (measured - by_pitch - self._steady)
-
-    def without(self, time: float, by_pitch: float, height: float) -> float:
-        """Climb in [m/s] without a measured one; the arguments as of :meth:`see`."""
-        step, self._time = min(time - self._time, LONGEST_STEP), time
-        self._height += step * (by_pitch + self._steady)
-        error = height - self._height
-        if math.isnan(self._height):
-            self._height = height
-        elif not math.isnan(error):
-            self._height += 2.0 * STEADY_CLIMB * step * error
-            self._steady += STEADY_CLIMB**2 * step * error
-        return by_pitch + self._steady
 
 
 class FlightPath:
@@ -209,9 +170,12 @@ class FlightPath:
 
     def reset(self) -> None:
         """Forget the aircraft."""
-        self._direction, self._climb, self._pitched = FlightDirection(), Climb(), ClimbByPitch()
+        self._direction = FlightDirection()
+        self._climb = Followed()  # w [m/s] and a [m/s^2]
+        self._besides = Followed()  # h [m] less what the pitch makes of it, and c [m/s]
         self.velocity_failed = self.heading_stuck = False
-        self._contradiction, self._time, self._nose = 0.0, -math.inf, 0.0
+        self._contradiction = self._nose = self._by_pitch = 0.0  # rad^2/s^2, rad, m
+        self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
 
     @property
@@ -239,21 +203,19 @@ class FlightPath:
         if max(abs(bank), abs(pitch)) > STEEPEST:
             return measurement
         time, direction, climb = measurement.stamp, self._direction, self._climb
+        step, self._time = time - self._time, time
         ground_velocity = measurement.ground_velocity.copy()
-        up = float(ground_velocity[2])
-        by_pitch, height = airspeed * math.sin(pitch), float(measurement.position[2])
-        if self.velocity_failed:
-            up = self._pitched.without(time, by_pitch, height)
-        else:
-            self._pitched.see(time, by_pitch, up, height)
-        climb.see(time, up, self.climb_frequency)
+        up = self._climbed(step, airspeed * math.sin(pitch), measurement)
+        if 0.0 < step <= LONGEST_STEP:
+            climb.see(step, up, self.climb_frequency)
+        elif step != 0.0:
+            climb.value, climb.rate = up, 0.0
         if not self.velocity_failed:  # else it shall not agree because it was replaced
             ground_velocity[2] = climb.value
         path_angle = math.asin(min(max(climb.value / airspeed, -1.0), 1.0))
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
-        step, turned = time - self._time, math.remainder(nose - self._nose, 2.0 * math.pi)
-        self._time = time
+        turned = math.remainder(nose - self._nose, 2.0 * math.pi)
         if 0.0 < step <= LONGEST_STEP and not self.heading_stuck:
             if abs(turned - step * by_bank) > NOSE_JUMP:
                 direction.heading += turned  # for others to judge; it tells nothing of the turn
@@ -276,6 +238,22 @@ class FlightPath:
             path_angle_rate=climb.rate / airspeed,
             axis=Axis.AIR_VELOCITY,
         )
+
+    def _climbed(self, step: float, by_pitch: float, measurement: Measurement) -> float:
+        """Climb in [m/s]: as it is measured, or by pitch and height while that is wrong."""
+        up, height = float(measurement.ground_velocity[2]), float(measurement.position[2])
+        besides, moved = self._besides, min(step, LONGEST_STEP)
+        self._by_pitch += moved * by_pitch
+        if self.velocity_failed and step <= LONGEST_STEP and not math.isnan(height):
+            besides.see(moved, height - self._by_pitch, STEADY_CLIMB)
+        else:
+            carried = besides.value + moved * besides.rate
+            besides.value = carried if math.isnan(height) else height - self._by_pitch
+        if self.velocity_failed:
+            return by_pitch + besides.rate
+        share = 1.0 - math.exp(-STEADY_CLIMB * step) if step <= LONGEST_STEP else 1.0
+        besides.rate += share * (up - by_pitch - besides.rate)
+        return up
 
 
 def past_nose(bank: float, pitch: float, path_angle: float) -> float:

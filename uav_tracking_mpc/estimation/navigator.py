@@ -267,9 +267,11 @@ class Navigator:
         blowing = air[2:6]
         faded = self._fading(time).reshape(-1)
         ahead = self._outlook(motion, turning, faded, blowing, self._times)
-        present = Situation(air.vehicle, *ahead[:, 0], air.rates)
+        target, drift, drift_rate = ahead[:, 0]
+        present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
         self.wind = air.wind + air.gust
-        forecast = Forecast(*ahead[:, 1:], air.gust_walk)
+        targets, drifts, drift_rates = ahead[:, 1:]
+        forecast = Forecast(targets, drifts, drift_rates, air.gust_walk)
         if delay == 0.0:
             return Estimate(present, present, forecast)
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)
