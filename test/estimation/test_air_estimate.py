@@ -141,7 +141,7 @@ def test_noise_of_the_ground_velocity_is_smoothed_and_its_size_seen():
 
 def test_gusts_last_as_long_as_drydens():
     filter_, _ = flown(1.0)
-    long, also_long, short = filter_.found.correlation_times
+    long, also_long, short = filter_.found.times
     assert long == also_long == pytest.approx(275.0 / SPEED, rel=0.01)
     assert short == pytest.approx(120.0 / SPEED, rel=0.01)
 

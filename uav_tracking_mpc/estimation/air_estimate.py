@@ -26,7 +26,6 @@ from __future__ import annotations
 import functools
 import math
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -52,16 +51,14 @@ from uav_tracking_mpc.estimation.sensor_check import (
     WAY_CHECK,
 )
 from uav_tracking_mpc.estimation.sensor_health import (
-    AIRSPEED,
     HEADING,
     JUMPED,
     OFF,
-    POSITION,
+    SENSORS,
     SILENT,
     STATES,
     STUCK,
     USED,
-    VELOCITY,
     SensorHealth,
 )
 from uav_tracking_mpc.estimation.wind_filter import ALPHA, BETA, DIAGONAL, LANE, B, G, P, T, W
@@ -96,32 +93,13 @@ MEMORY = Layout(
     place=POSITION_CHECK.size,
     ground=3,
 )
+# (x, y, z, psi, chi, v) through the air; (psi', chi', v'); mean wind [m/s] and how it changes
+# [m/s^2], the gust that lasts [m/s] and how long gusts last on each axis [s], intensity of level
+# gusts [m^2/s^3]. The rest is for what is done about sensors.
 FOUND = Layout(
-    position=3, angles=2, airspeed=1, rates=3, wind=3, trend=3, gust=3, times=3,
-    states=4, snapped=1, changed=1, without=3, known=1, deviation=1, walk=1,
+    vehicle=6, rates=3, wind=3, trend=3, gust=3, times=3, walk=1,
+    states=4, snapped=1, changed=1, without=3, known=1, deviation=1,
 )  # fmt: skip
-
-
-class AircraftInAir(NamedTuple):
-    """Aircraft and air as they are known.
-
-    Attributes:
-        vehicle: (x, y, z, psi, chi, v) through the air, shape (6,), in [m], [rad] and [m/s].
-        rates: (psi', chi', v'), shape (3,), in [rad/s] and [m/s^2].
-        wind: Mean wind in ``map``, shape (3,), in [m/s].
-        trend: How the mean wind changes, shape (3,), in [m/s^2].
-        gust: That lasts, shape (3,), in [m/s].
-        correlation_times: How long gusts last on each axis, shape (3,), in [s].
-        gust_walk: Intensity of level gusts in [m^2/s^3].
-    """
-
-    vehicle: NDArray[np.float64]
-    rates: NDArray[np.float64]
-    wind: NDArray[np.float64]
-    trend: NDArray[np.float64]
-    gust: NDArray[np.float64]
-    correlation_times: NDArray[np.float64]
-    gust_walk: float
 
 
 class AirEstimate:
@@ -133,13 +111,12 @@ class AirEstimate:
 
     def __init__(self) -> None:
         self.health = SensorHealth()
-        self._memory, seen = np.zeros(MEMORY.size), np.zeros(SEEN.size)
-        self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(seen)
+        self._memory, self._told = np.zeros(MEMORY.size), np.zeros(SEEN.size)
+        self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(self._told)
         self._filter = LANE.parts(self._known.main)
         self._doubts = AIR_CHECK.parts(self._known.air).doubts
-        self._step = BufferedFunction(_step(), [self._memory, seen])
+        self._step = BufferedFunction(_step(), [self._memory, self._told])
         self._found = FOUND.parts(self._step.results[1])
-        self._seen.biased[2] = True
         self.reset()
 
     def reset(self) -> None:
@@ -148,7 +125,7 @@ class AirEstimate:
         self._begin_filters()
         self._known.aided[:] = rate_aided.initial()
         self._known.air[:] = sensor_check.initial_air_check()
-        self._states = [0.0] * len(self.health.states)
+        self._states = [USED] * len(self.health.states)
         self.health.reset()
 
     def _begin_filters(self) -> None:
@@ -209,7 +186,7 @@ class AirEstimate:
         missing: bool,
         nose: tuple[float, float] | None = None,
         stuck: tuple[bool, bool] = (False, False),
-    ) -> AircraftInAir:
+    ) -> SimpleNamespace:
         """Take in a measurement.
 
         Args:
@@ -222,30 +199,42 @@ class AirEstimate:
                 where psi and psi' are not by them.
             stuck: Whether the heading is stuck, and whether the ground velocity is.
 
+        Returns:
+            Aircraft and air as they are known, by :data:`FOUND`.
+
         Raises:
             ValueError: There has been no position since the flight began.
         """
-        seen, noise, state = self._seen, measurement.noise, self._filter.state
-        placed = measurement.placed
-        seen.position[:], seen.placed[0] = vehicle[:3] if placed else state[P], placed
-        scales = gust_scales(float(seen.position[2]) - ground, 0.0)
-        seen.ground[:] = measurement.ground_velocity
-        seen.heading[0] = measurement.heading if missing else vehicle[3]
-        seen.path_angle[0] = measurement.path_angle if missing else vehicle[4]
-        seen.airspeed[0], seen.measured[0] = vehicle[5], not missing
-        seen.rates[:], seen.stuck[:] = rates, stuck
-        seen.biased[:2] = nose is None
-        seen.compass[0], seen.turn_told[0] = nose or (measurement.heading, rates[0])
-        seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
-        seen.position_noise[:], seen.velocity_noise[:] = noise.position, noise.velocity
-        seen.scales[:2], seen.scales[2] = scales.long, scales.short
+        noise, placed = measurement.noise, measurement.placed
+        position = vehicle[:3] if placed else self._filter.state[P]
+        scales = gust_scales(float(position[2]) - ground, 0.0)
+        compass, turn_told = nose or (measurement.heading, rates[0])
+        SEEN.fill(
+            self._told,
+            position=position,
+            placed=placed,
+            ground=measurement.ground_velocity,
+            heading=measurement.heading if missing else vehicle[3],
+            path_angle=measurement.path_angle if missing else vehicle[4],
+            airspeed=vehicle[5],
+            measured=not missing,
+            rates=rates,
+            biased=(nose is None, nose is None, True),
+            compass=compass,
+            turn_told=turn_told,
+            stuck=stuck,
+            noise=(noise.heading, noise.path_angle, noise.airspeed),
+            position_noise=noise.position,
+            velocity_noise=noise.velocity,
+            scales=(scales.long, scales.long, scales.short),
+        )
         elapsed = -1.0 if self._time is None else measurement.stamp - self._time
         if not 0.0 <= elapsed <= LONGEST_GAP:
             if not placed:
                 raise ValueError("no position is known")
             elapsed = 0.0
             self._begin()
-        self._time, seen.elapsed[0] = measurement.stamp, elapsed
+        self._time, self._seen.elapsed[0] = measurement.stamp, elapsed
         self._step.evaluate()
         self._memory[:] = self._step.results[0]
         return self._taken()
@@ -265,29 +254,19 @@ class AirEstimate:
         follower.place[:], follower.velocity[:] = seen.position, seen.ground
         POSITION_CHECK.parts(known.place).last[:], known.ground[:] = np.nan, seen.ground
 
-    def _taken(self) -> AircraftInAir:
+    def _taken(self) -> SimpleNamespace:
         """What has been found; a filter goes on from the one that no wrong sensor has come into."""
-        found, before = self._found, self._states
-        self._states = found.states.tolist()
-        for name, code, lane in zip((AIRSPEED, HEADING), self._states, LANES[1:], strict=False):
-            if STATES[int(code)] not in (USED, SILENT) and code != before[LANES.index(lane) - 1]:
+        states = [STATES[int(code)] for code in self._found.states]
+        for state, before, lane in zip(states, self._states, LANES[1:], strict=False):
+            if state != before and state not in (USED, SILENT):
                 self._known.main[:] = getattr(self._known, lane)
-            self.health.states[name] = STATES[int(code)]
-        if found.snapped[0]:
+        self._states = states
+        self.health.states.update(zip(SENSORS, states, strict=True))
+        if self._found.snapped[0]:
             self.health.states[HEADING] = JUMPED
-        for name, code in zip((POSITION, VELOCITY), self._states[2:], strict=True):
-            self.health.states[name] = STATES[int(code)]
-        if found.changed[0]:
+        if self._found.changed[0]:
             self._begin_filters()
-        return AircraftInAir(
-            np.concatenate([found.position, found.angles, found.airspeed]),
-            found.rates.copy(),
-            found.wind.copy(),
-            found.trend.copy(),
-            found.gust.copy(),
-            found.times.copy(),
-            float(found.walk[0]),
-        )
+        return FOUND.parts(self._step.results[1].copy())
 
 
 @functools.cache
@@ -434,9 +413,12 @@ def _step() -> ca.Function:
         ground=used_ground,
     )
     found = SimpleNamespace(
-        position=state[P] + placed.faded,
-        angles=ca.vertcat(ca.remainder(heading - state[BETA], math.tau), path_angle),
-        airspeed=airspeed * (1.0 - state[ALPHA]),
+        vehicle=ca.vertcat(
+            state[P] + placed.faded,
+            ca.remainder(heading - state[BETA], math.tau),
+            path_angle,
+            airspeed * (1.0 - state[ALPHA]),
+        ),
         rates=ca.vertcat(seen.rates[:2] - aided.bias[:2], seen.rates[2]),
         wind=state[W],
         trend=ca.vertcat(state[T], 0.0),

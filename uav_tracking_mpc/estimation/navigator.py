@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
-from uav_tracking_mpc.estimation.air_estimate import AircraftInAir, AirEstimate
+from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
@@ -264,22 +265,22 @@ class Navigator:
         air = self._aircraft_in_air(measurement, vehicle, ground)
         self._go_astray(elapsed)
         np.add(self._stages, delay, out=self._times[1:])
-        blowing = air[2:6]
+        blowing = air.wind, air.trend, air.gust, air.times
         faded = self._fading(time).reshape(-1)
         ahead = self._outlook(motion, turning, faded, blowing, self._times)
         target, drift, drift_rate = ahead[:, 0]
         present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
         self.wind = air.wind + air.gust
         targets, drifts, drift_rates = ahead[:, 1:]
-        forecast = Forecast(targets, drifts, drift_rates, air.gust_walk)
+        forecast = Forecast(targets, drifts, drift_rates, float(air.walk[0]))
         if delay == 0.0:
             return Estimate(present, present, forecast)
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)
 
     def _aircraft_in_air(
         self, measurement: Measurement, vehicle: NDArray[np.float64], ground: float
-    ) -> AircraftInAir:
-        """What is measured, without noise and biases as far as they are known."""
+    ) -> SimpleNamespace:
+        """What is measured, by :data:`FOUND`, less noise and biases as far as they are known."""
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
             air = self.air
@@ -296,7 +297,10 @@ class Navigator:
         if not measurement.placed:
             raise ValueError("no position is measured")
         wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
-        return AircraftInAir(vehicle, rates, wind, np.zeros(3), np.zeros(3), np.ones(3), math.inf)
+        no, ever = np.zeros(3), np.ones(3)
+        return SimpleNamespace(
+            vehicle=vehicle, rates=rates, wind=wind, trend=no, gust=no, times=ever, walk=[math.inf]
+        )
 
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast

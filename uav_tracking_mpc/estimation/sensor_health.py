@@ -18,7 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-AIRSPEED, HEADING, POSITION, VELOCITY = "airspeed", "heading", "position", "ground velocity"
+SENSORS = AIRSPEED, HEADING, POSITION, VELOCITY = (
+    "airspeed",
+    "heading",
+    "position",
+    "ground velocity",
+)
 STATES = USED, SILENT, STUCK, JUMPED, OFF = "used", "silent", "stuck", "jumped", "off"
 SAID = {
     USED: "agrees with the others: it is used again",

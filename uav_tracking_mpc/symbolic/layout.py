@@ -20,6 +20,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 
 class Layout:
@@ -46,6 +48,16 @@ class Layout:
             vector: Shape (size,), or a CasADi column.
         """
         return SimpleNamespace(**{name: vector[place] for name, place in self._slices.items()})
+
+    def fill(self, vector: NDArray[np.float64], **values: ArrayLike) -> None:
+        """Write parts of an array.
+
+        Args:
+            vector: Shape (size,).
+            values: Of parts by name.
+        """
+        for name, value in values.items():
+            vector[self._slices[name]] = value
 
     def symbol(self, name: str) -> tuple[ca.SX, SimpleNamespace]:
         """A column of new symbols, and its parts.
