@@ -115,7 +115,7 @@ class AirData:
         """Forget the airspeed."""
         self._stamp, self._airspeed = -math.inf, math.nan
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
-        self.missing = self.awaited = self._told = self._doubted = False
+        self.missing = self.awaited = False
         self._path.reset()
         self._heading, self._velocity, self._climb = (Repetition() for _ in range(3))
         self._height = math.nan
@@ -125,7 +125,7 @@ class AirData:
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose: tuple[float, float] | None = None
         self.estimated = 0.0
-        self.impossible = self._told_mirrored = False
+        self.impossible = False
         self._mirrored = 0.0
 
     def see(self, stamp: float, airspeed: float) -> None:
@@ -230,20 +230,24 @@ class AirData:
         """Airspeed by ground velocity and wind, in [m/s]."""
         return math.hypot(*(measurement.ground_velocity - self.wind).tolist())
 
-    def complaint(self, wind_known: bool = False) -> str:
-        """What is taken otherwise than it is measured, in words, the first time; else empty.
+    def concerns(self, wind_known: bool = False) -> list[tuple[bool, str]]:
+        """What may be taken otherwise than it is measured: whether it is, and what to say.
 
         Args:
             wind_known: Whether the wind stands in for an airspeed that is missing.
         """
-        if self._mirrored > MIRRORED_FOR and not self._told_mirrored:
-            self._told_mirrored = True
-            words = "the heading looks as if it counted from North to East"
-            return f"{words}: it must count from East to North (ENU)"
-        if self._path.contradicted and not self._doubted:
-            self._doubted = True
-            return "the nose turns against the bank: the attitude is taken for the direction flown"
-        if self._told or self.awaited or not self.missing or wind_known:
-            return ""
-        self._told = True
-        return "no airspeed is measured: the air is taken as still"
+        return [
+            (
+                self._mirrored > MIRRORED_FOR,
+                "the heading looks as if it counted from North to East: it must count from East "
+                "to North (ENU)",
+            ),
+            (
+                self._path.contradicted,
+                "the nose turns against the bank: the attitude is taken for the direction flown",
+            ),
+            (
+                self.missing and not self.awaited and not wind_known,
+                "no airspeed is measured: the air is taken as still",
+            ),
+        ]

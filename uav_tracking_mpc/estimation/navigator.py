@@ -147,7 +147,7 @@ class Navigator:
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = self._astray = self._below = 0.0
-        self._told_below = False
+        self._told: set[int] = set()  # which concerns have been told
         self._time: float | None = None
 
     @property
@@ -176,12 +176,12 @@ class Navigator:
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
-        words = [self.air.complaint(self._estimating), *self.air_estimate.health.news()]
-        if self._below > BELOW and not self._told_below:
-            self._told_below = True
-            below = f"the aircraft is {self._below:.0f} m below the target"
-            words.append(f"{below}: z must be positive up (ENU)")
-        return [each for each in words if each]
+        below = f"the aircraft is {self._below:.0f} m below the target: z must be positive up (ENU)"
+        concerns = [*self.air.concerns(self._estimating), (self._below > BELOW, below)]
+        holding = {which for which, (holds, _) in enumerate(concerns) if holds}
+        news = [concerns[which][1] for which in sorted(holding - self._told)]
+        self._told |= holding
+        return [*news, *self.air_estimate.health.news()]
 
     def see_target(
         self,
