@@ -39,7 +39,6 @@ from uav_tracking_mpc.estimation.target_track import Motion, TargetTrack
 from uav_tracking_mpc.estimation.turn_prediction import predict_turn
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
-FIRST_GATE = 4.0 * GATE  # -, of the second position of a track, which knows no velocity yet
 RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be fast, not noisy
 JUMP = 3  # positions left out in a row that agree: the target is there
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
@@ -64,17 +63,6 @@ class TargetEstimate:
     velocity: NDArray[np.float64]
     acceleration: NDArray[np.float64]
     position_std: float
-
-
-@dataclass(frozen=True)
-class _Seen:
-    """One measurement: time, position, its variance, velocity, whether the variance is a guess."""
-
-    time: float
-    position: NDArray[np.float64]
-    variance: float
-    motion: Motion | None
-    doubted: bool
 
 
 class TargetFilter:
@@ -110,9 +98,7 @@ class TargetFilter:
         """Forget the target."""
         self._track: TargetTrack | None = None
         self._rival: TargetTrack | None = None  # of positions left out in a row
-        self._rival_count = 0  # positions of it
-        self._single = False  # whether the track is of one position
-        self._last, self._last_time = np.zeros(3), -math.inf  # what was not late
+        self._last = np.zeros(3)  # that was not late
         self._scaling = MeasurementNoise()
         self._own = self._told  # the noise to which the scale belongs; 0 where covariances come
         self.noise = self._told
@@ -169,22 +155,29 @@ class TargetFilter:
         if newest is not None and (time <= newest.time or self._repeats(time, measured)):
             self.late += 1
             return False
-        self._last, self._last_time = measured, time
+        self._last = measured
         variance = self._variance(time, measured, told)
         doubted = told is None and not self._scaling.known
-        seen = _Seen(time, measured, variance, motion, doubted)
+        seen = time, measured, variance, GATE, motion, doubted
         if self._track is None or time - self._track.time > FORGOTTEN:
-            self._track, self._rival = self._begun(seen, self._speed), None
-            self._single = True
+            begun = self._begun(time, measured, motion, self._speed)
+            self._track, self._rival = begun, None
             return True
-        if _taken(self._track, seen, FIRST_GATE if self._single else GATE):
-            self._rival, self._single = None, False
+        if self._track.update(*seen):
+            self._rival = None
             return True
-        return self._left_out(seen)
+        if self._rival is None or not self._rival.update(*seen):
+            self._rival = self._begun(time, measured, motion, RIVAL_SPEED * self._speed)
+        elif self._rival.count == JUMP:
+            self._track, self._rival = self._rival, None
+            self.jumps += 1
+            return True
+        self.rejected += 1
+        return False
 
     def _repeats(self, time: float, position: NDArray[np.float64]) -> bool:
         """Whether an old position comes with a new stamp, as from a tracker that sends it on."""
-        if self._track is None or self._rival is not None or time - self._last_time > REPEATED:
+        if self._track is None or self._rival is not None or time - self._track.time > REPEATED:
             return False
         velocity = self._track.state[1]
         moves = velocity @ velocity > GATE * self._track.covariance[1, 1]
@@ -203,28 +196,14 @@ class TargetFilter:
         self.noise = max(math.sqrt(variance), NOISE_MIN)
         return self.noise**2
 
-    def _begun(self, seen: _Seen, speed: float) -> TargetTrack:
+    def _begun(
+        self, time: float, position: NDArray[np.float64], motion: Motion | None, speed: float
+    ) -> TargetTrack:
         """A track of one measurement."""
-        track = TargetTrack(
-            seen.time, seen.position, math.sqrt(seen.variance), self._agility, speed
-        )
-        if seen.motion is not None:
-            track.see_velocity(*seen.motion, GATE)
+        track = TargetTrack(time, position, self.noise, self._agility, speed)
+        if motion is not None:
+            track.see_velocity(*motion, GATE)
         return track
-
-    def _left_out(self, seen: _Seen) -> bool:
-        """Hold a position that was left out against those left out just before."""
-        gate = FIRST_GATE if self._rival_count == 1 else GATE
-        if self._rival is not None and _taken(self._rival, seen, gate):
-            self._rival_count += 1
-            if self._rival_count == JUMP:
-                self._track, self._rival, self._single = self._rival, None, False
-                self.jumps += 1
-                return True
-        else:
-            self._rival, self._rival_count = self._begun(seen, RIVAL_SPEED * self._speed), 1
-        self.rejected += 1
-        return False
 
     def predict(self, time: float) -> TargetEstimate:
         """Estimate at a time: on from the newest position, or up to a second back from it.
@@ -248,7 +227,7 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        track = self._known()
+        track = self.track
         return track.position_std(min(max(time - track.time, 0.0), FORGOTTEN))
 
     def ahead(
@@ -266,7 +245,7 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        track = self._known()
+        track = self.track
         ages = np.asarray(times, dtype=float) - track.time
         travelled, left = self.bridge(float(ages[0]) + track.time)
         leads = np.maximum(travelled + left * (ages - ages[0]), -REWIND)
@@ -284,7 +263,7 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        track = self._known()
+        track = self.track
         return bridged(min(time - track.time, FORGOTTEN), track.held)
 
     @property
@@ -294,16 +273,9 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        return self._known()
-
-    def _known(self) -> TargetTrack:
         if self._track is None:
             raise ValueError("no target position")
         return self._track
-
-
-def _taken(track: TargetTrack, seen: _Seen, gate: float) -> bool:
-    return track.update(seen.time, seen.position, seen.variance, gate, seen.motion, seen.doubted)
 
 
 def _variances(covariance: ArrayLike | None) -> tuple[float | None, float]:

@@ -60,6 +60,7 @@ QUIET_LEAST = 0.02  # probability of the quiet mode above which it goes on alone
 PROBABILITY_MIN = 1e-12  # -, of a mode
 OUTLIER_WEIGHT = math.log(0.03)  # -, logarithm of the share of measurements that are outliers
 OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
+SECOND = 4.0  # -, times the gate of a position: that of the second one, as no velocity is known
 ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 Motion = tuple[NDArray[np.float64], float]  # velocity, shape (3,), and its variance [m^2/s^2]
@@ -85,6 +86,7 @@ class TargetTrack:
 
     Attributes:
         time: Of the newest position taken in, in [s].
+        count: How many positions have been taken in.
         state: Position, velocity and acceleration at that time, rows of shape (3, 3).
         covariance: Of (p, v, a) on each axis at that time, shape (3, 3).
         turn_rate: Of the horizontal velocity, averaged over a few seconds, in [rad/s].
@@ -95,7 +97,7 @@ class TargetTrack:
         self, time: float, position: NDArray[np.float64], noise: float, agility: float, speed: float
     ) -> None:
         count = len(AGILITIES)
-        self.time = time
+        self.time, self.count = time, 1
         self.turn_rate = 0.0
         self._states = np.zeros((count, 3, 3))
         self._states[:, 0] = position
@@ -145,13 +147,13 @@ class TargetTrack:
             position: Shape (3,), in [m].
             variance: Of the position on each axis in [m^2].
             gate: Greatest squared normalised innovation of the mode that explains it best,
-                chi-square of 3 degrees of freedom, [-].
+                chi-square of 3 degrees of freedom, [-]; wider for the second position of a track.
             motion: Velocity, shape (3,), in [m/s] and its variance in [m^2/s^2], or None; it is
                 left out by itself where it exceeds the gate.
             doubted: Whether the variance is little more than a guess: the innovation then counts
                 as noise of this position and of the one before, not as motion.
         """
-        elapsed = time - self.time
+        elapsed, gate = time - self.time, gate * (SECOND if self.count == 1 else 1.0)
         predicted, states, covariances = self._predicted(elapsed)
         innovations = position - states[:, 0]
         squares = (innovations * innovations).sum(axis=1)
@@ -163,7 +165,7 @@ class TargetTrack:
         self._states, self._covariances = states, covariances
         self._weigh(np.log(predicted) + self._correct(0, innovations, squares, variance))
         self._merge()
-        self.time = time
+        self.time, self.count = time, self.count + 1
         if motion is not None:
             self.see_velocity(*motion, gate)
         self._average_turn(elapsed)
