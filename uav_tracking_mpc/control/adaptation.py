@@ -37,6 +37,9 @@ SPEED = 0.2  # s of lag or dead time, or share of the gain, by which it changes 
 # than so many standard deviations; what was told comes back below half of it.
 LEAST_LAG, LEAST_DELAY, LEAST_GAIN, SIGNIFICANT = 0.03, 0.015, 0.03, 2.0
 ROUNDING = 1e-4  # s, to which what is flown follows
+LAG = "lag", "lag_deviation", "lag_trusted"
+DELAY = "delay", "delay_deviation", "trusted"
+GAIN = "gain", "gain_deviation", "gain_trusted"
 
 
 class ResponseAdaptation:
@@ -102,8 +105,8 @@ class ResponseAdaptation:
         self._learnt = self._told.response
         self.flown = self._told.flown_by(self._learnt)
         self._time: float | None = None
-        # Whether estimates replace what was told: of lag, delay, gain of each channel.
-        self._replaced = np.zeros((3, 3), dtype=bool)
+        # Whether estimates replace what was told, of each channel.
+        self._replaced = {names: np.zeros(3, dtype=bool) for names in (LAG, DELAY, GAIN)}
 
     def interrupt(self) -> None:
         """Forget commands and times, keep what was learnt."""
@@ -245,66 +248,57 @@ class ResponseAdaptation:
         self._time = time
         most = SPEED * min(max(elapsed, 0.0), PERIOD)
         before = self.flown
-        for axis, channel in enumerate(self.channels):
-            self._follow(axis, channel, most)
+        self._follow(most)
         self.flown = self._told.flown_by(self._learnt)
         return None if _same(before, self.flown) else self.flown
 
-    def _follow(self, axis: int, channel: ChannelResponse, most: float) -> None:
-        """Move one channel by at most so many [s], or so much gain."""
-        told = self._told.response
-        told_lag, told_dead_time = float(told.lags[axis]), float(told.dead_times[axis])
-        lags, dead_times, gains = (values.copy() for values in self._learnt)
-        lag, gain = float(lags[axis]), float(gains[axis])
-        delay = lag + float(dead_times[axis])
-        known = channel.gain_trusted, channel.gain, channel.gain_deviation
-        wanted = self._wanted((axis, 2), known, gain, 1.0, LEAST_GAIN)
-        gains[axis] += min(max(wanted - gain, -most), most)
-        self._learnt = Response(lags, dead_times, gains)
-        told_delay = told_lag + told_dead_time
-        known = channel.trusted, channel.delay, channel.delay_deviation
-        wanted_delay = self._wanted((axis, 1), known, delay, told_delay, LEAST_DELAY)
-        share = told_lag / told_delay if told_delay else 0.0
-        likely = told_lag if channel.lag_trusted else share * wanted_delay
-        known = channel.lag_trusted, channel.lag, channel.lag_deviation
-        wanted_lag = self._wanted((axis, 0), known, lag, likely, LEAST_LAG)
-        if max(abs(wanted_lag - lag), abs(wanted_delay - delay)) < ROUNDING:
-            return
-        delay += min(max(wanted_delay - delay, -most), most)
-        lags[axis] = min(lag + min(max(wanted_lag - lag, -most), most), delay)
-        lags = np.array(self._told.vehicle.with_lags(lags).lags)  # a model may have its own
-        dead_times[axis] = max(delay - float(lags[axis]), 0.0)
-        off = abs(lags[axis] - told_lag), abs(dead_times[axis] - told_dead_time)
-        if max(off) < ROUNDING:
-            lags[axis], dead_times[axis] = told_lag, told_dead_time
-        self._learnt = Response(lags, dead_times, gains)
+    def _follow(self, most: float) -> None:
+        """Move every channel by at most so many [s], or so much gain."""
+        told, (lags, dead_times, gains) = self._told.response, self._learnt
+        delays, told_delays = lags + dead_times, told.lags + told.dead_times
+        wanted_gains = self._wanted(GAIN, gains, np.ones(3), LEAST_GAIN)
+        wanted_delays = self._wanted(DELAY, delays, told_delays, LEAST_DELAY)
+        shared = wanted_delays * told.lags / np.where(told_delays > 0.0, told_delays, math.inf)
+        likely = np.where([each.lag_trusted for each in self.channels], told.lags, shared)
+        wanted_lags = self._wanted(LAG, lags, likely, LEAST_LAG)
+        off = np.maximum(np.abs(wanted_lags - lags), np.abs(wanted_delays - delays))
+        delays = delays + np.clip(wanted_delays - delays, -most, most)
+        after = np.minimum(lags + np.clip(wanted_lags - lags, -most, most), delays)
+        after = np.array(self._told.vehicle.with_lags(after).lags)  # a model may have its own
+        left = np.maximum(delays - after, 0.0)
+        apart = np.maximum(np.abs(after - told.lags), np.abs(left - told.dead_times))
+        cases = [off < ROUNDING, apart < ROUNDING]
+        self._learnt = Response(
+            np.select(cases, [lags, told.lags], after),
+            np.select(cases, [dead_times, told.dead_times], left),
+            gains + np.clip(wanted_gains - gains, -most, most),
+        )
 
     def _wanted(
         self,
-        which: tuple[int, int],
-        estimate: tuple[bool, float, float],
-        flown: float,
-        told: float,
+        names: tuple[str, str, str],
+        flown: NDArray[np.float64],
+        told: NDArray[np.float64],
         least: float,
-    ) -> float:
-        """The estimate where it is trusted and contradicts what was told.
+    ) -> NDArray[np.float64]:
+        """The estimates where they are trusted and contradict what was told, shape (3,).
 
         What was learnt stays until an estimate contradicts it, be it a trusted one or not.
 
         Args:
-            which: Axis; lag, delay or gain.
-            estimate: Whether it is trusted; its value and standard deviation.
-            flown: What is flown by.
-            told: What was told.
+            names: Of the estimate, its standard deviation, and whether it is trusted.
+            flown: What is flown by, shape (3,).
+            told: What was told, shape (3,).
             least: By how much a trusted one must differ.
         """
-        trusted, found, deviation = estimate
-        if not trusted:
-            self._replaced[which] &= abs(found - flown) <= SIGNIFICANT * deviation
-            return flown if self._replaced[which] else told
-        needed = 0.5 * least if self._replaced[which] else max(least, SIGNIFICANT * deviation)
-        self._replaced[which] = abs(found - told) > needed
-        return found if self._replaced[which] else told
+        found, deviation, trusted = (
+            np.array([getattr(each, name) for each in self.channels]) for name in names
+        )
+        before = self._replaced[names]
+        stays = before & (np.abs(found - flown) <= SIGNIFICANT * deviation)
+        needed = np.where(before, 0.5 * least, np.maximum(least, SIGNIFICANT * deviation))
+        self._replaced[names] = np.where(trusted, np.abs(found - told) > needed, stays)
+        return np.where(self._replaced[names], np.where(trusted, found, flown), told)
 
 
 def _same(one: Response, other: Response) -> bool:
