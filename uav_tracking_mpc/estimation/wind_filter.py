@@ -151,16 +151,13 @@ def predicted(
     times = scales / ca.fmax(ca.norm_2(mean), 1.0)
     decay, lasts = ca.exp(-elapsed / times), ca.exp(-elapsed / TREND_TIME)
     transition = ca.SX(ca.DM.eye(SIZE))
-    across = _across(steady)
-    for axis in range(3):
-        transition[G.start + axis, G.start + axis] = decay[axis]
-        transition[axis, W.start + axis] = elapsed
-        transition[axis, G.start + axis] = 0.5 * elapsed * (1.0 + decay[axis])
-        transition[axis, ALPHA] = -elapsed * steady[axis]
-    for axis in range(2):
-        transition[W.start + axis, T.start + axis] = elapsed
-        transition[T.start + axis, T.start + axis] = lasts
-        transition[axis, BETA] = -elapsed * across[axis]
+    transition[G, G] = ca.diag(decay)
+    transition[P, W] = elapsed * ca.DM.eye(3)
+    transition[P, G] = ca.diag(0.5 * elapsed * (1.0 + decay))
+    transition[P, ALPHA] = -elapsed * steady
+    transition[P.start : P.stop - 1, BETA] = -elapsed * _across(steady)[:2]
+    transition[W.start : W.stop - 1, T] = elapsed * ca.DM.eye(2)
+    transition[T, T] = lasts * ca.DM.eye(2)
     state = transition @ lane.state
     state[P] += elapsed * (mean - _beside(lane.state, mean - steady))
     spread = ca.SX.zeros(SIZE)
@@ -256,18 +253,15 @@ def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> ca.SX:
         noise: Variances of these, shape (6,).
     """
     air, steady, state, covariance = lane.air, lane.steady, lane.state, lane.covariance
-    sensed, across, apart = ca.SX(6, SIZE), _across(lane.steady), lane.air - lane.steady
-    for axis in range(3):
-        sensed[axis, axis] = 1.0
-        for part in (W, G, B):
-            sensed[3 + axis, part.start + axis] = 1.0
-        sensed[3 + axis, ALPHA] = -steady[axis]
-    sensed[3, BETA], sensed[4, BETA] = -across[0], -across[1]
+    sensed, apart = ca.SX(6, SIZE), air - steady
+    sensed[:3, P] = sensed[3:, W] = sensed[3:, G] = sensed[3:, B] = ca.DM.eye(3)
+    sensed[3:, ALPHA], sensed[3:5, BETA] = -steady, -_across(steady)[:2]
     explained = sensed @ state + ca.vertcat(ca.SX.zeros(3), air - _beside(state, apart))
     crossed = sensed @ covariance
     spread = crossed @ sensed.T + ca.diag(noise)
     spread[3:, 3:] += lane.loose @ lane.loose.T
-    gain = _solved(spread, crossed).T
+    factor = ca.chol(spread)  # upper: R^T R
+    gain = ca.solve(factor, ca.solve(factor.T, crossed)).T
     # Heading and airspeed are sure while the aircraft turns as it did over the average.
     gain[ALPHA:, :] *= ca.sumsqr(apart) <= STEADY_SHARE**2 * ca.sumsqr(air)
     after = state + gain @ (measured - explained)
@@ -327,18 +321,3 @@ def _beside(state: ca.SX, apart: ca.SX) -> ca.SX:
 def _across(velocity: ca.SX) -> ca.SX:
     """e_z x v, shape (3,)."""
     return ca.vertcat(-velocity[1], velocity[0], 0.0)
-
-
-def _solved(matrix: ca.SX, right: ca.SX) -> ca.SX:
-    """A^-1 B of a positive definite A, by its Cholesky factor."""
-    factor = ca.chol(matrix)  # upper: A = R^T R
-    size = matrix.size1()
-    rows: list[ca.SX] = []
-    for row in range(size):
-        known = sum((factor[k, row] * rows[k] for k in range(row)), ca.SX.zeros(right[0, :].shape))
-        rows.append((right[row, :] - known) / factor[row, row])
-    for row in reversed(range(size)):
-        for k in range(row + 1, size):
-            rows[row] = rows[row] - factor[row, k] * rows[k]
-        rows[row] = rows[row] / factor[row, row]
-    return ca.vertcat(*rows)
