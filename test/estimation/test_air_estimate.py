@@ -24,16 +24,7 @@ import pytest
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.sensor_check import WIND_KNOWN
-from uav_tracking_mpc.estimation.wind_filter import (
-    DIAGONAL,
-    LANE,
-    QUICK,
-    SIZE,
-    G,
-    P,
-    W,
-    lasting_gust,
-)
+from uav_tracking_mpc.estimation.wind_filter import DIAGONAL, QUICK, SIZE, G, P, W, lasting_gust
 
 SIZES = {"elapsed": 1, "gust": 3, "air": 3, "steady": 3}
 STEP, SPEED, TURN = 0.05, 22.0, 0.073
@@ -263,7 +254,7 @@ def normalised_errors(seed, noise, walk):
         )
         filter_.see(k * STEP, place, ground, air, *[(size,) * 3 for size in noise])
         if k * STEP > 30.0 and k % 20 == 0:
-            known = filter_._filter
+            known = filter_._known.main
             errors = known.state[P] - position, known.state[W] + known.state[G] - wind - gust
             rows.append(
                 [
@@ -311,7 +302,7 @@ def test_a_wind_without_heading_is_as_sure_as_it_says_after_a_straight_flight():
             position = position + STEP * (air + wind + gust + arc)
             psi += STEP * turn
             gust += -STEP / 10.0 * gust + 0.4 * np.sqrt(STEP) * random.standard_normal(3)
-            lane = LANE.parts(filter_._known.no_heading)
+            lane = filter_._known.no_heading
             deviation = math.sqrt(lane.triangle[DIAGONAL[W]][:2].max())
             if deviation <= WIND_KNOWN:
                 error = np.linalg.norm((lane.state[W] - wind)[:2])
@@ -326,7 +317,8 @@ def test_a_plan_counts_on_gusts_that_last_and_not_on_what_shakes():
     elapsed, gust, air, usual = [ca.SX.sym(name, size) for name, size in SIZES.items()]
     lane = SimpleNamespace(air=air, steady=usual)
     step = [elapsed, gust, air, usual]
-    step = ca.Function("step", [memory, *step], list(lasting_gust(inputs, elapsed, gust, lane)))
+    after, lasting = lasting_gust(inputs, elapsed, gust, lane)
+    step = ca.Function("step", [memory, *step], [QUICK.joined(after), lasting])
     for kind in ("gust", "swing", "turbulence", "heading"):
         known, gust = np.zeros(QUICK.size), np.zeros(3)
         quick, kept = [], []

@@ -31,13 +31,16 @@ class NoiseMeter:
         known, parts = self.meters.layout.symbol("known")
         symbols = [ca.SX.sym(name, count) for name, count in (("dt", 1), ("x", size), ("told", 1))]
         metered = self.meters.metered(parts, *symbols)
-        self.update = ca.Function("update", [known, *symbols], metered)
+        results = [self.meters.layout.joined(metered), metered.held]
+        self.update = ca.Function("update", [known, *symbols], results)
         self.walks = ca.Function("walks", [known], [self.meters.walks(parts)])
         self.reset()
 
     def reset(self):
-        self.known, self.time = self.meters.initial(), -np.inf
-        self.variance = self.meters.layout.parts(self.known).held[0]
+        self.known, self.time = np.zeros(self.meters.layout.size), -np.inf
+        parts = self.meters.layout.parts(self.known)
+        self.meters.begin(parts)
+        self.variance = parts.held[0]
 
     def see(self, time, signal, told=0.0):
         elapsed, self.time = min(time - self.time, 1e3), time

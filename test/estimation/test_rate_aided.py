@@ -20,7 +20,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED, begin_values, initial, smoothed
+from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED, begin, begin_values, smoothed
 
 STEP = 0.05
 
@@ -37,7 +37,8 @@ class Heading:
         symbols = ca.SX.sym("dt"), *[ca.SX.sym(name, 3) for name in ("x", "rate", "told")]
         after = RATE_AIDED.joined(smoothed(parts, *symbols, ca.DM(3 * [biased])))
         self._update = ca.Function("update", [known, *symbols], [after])
-        self._known, self._begun = initial(), False
+        self._known, self._begun = np.zeros(RATE_AIDED.size), False
+        begin(self.parts)
 
     @property
     def parts(self):

@@ -35,7 +35,7 @@ from uav_tracking_mpc.estimation.sensor_check import (
     WAY_CHECK,
     WINDOW,
     air_checked,
-    initial_air_check,
+    begin_air_check,
     position_checked,
     repeated,
     velocity_checked,
@@ -54,7 +54,7 @@ class Evaluated:
         known, parts = layout.symbol("known")
         seen = [ca.SX.sym(f"seen{k}", size) for k, size in enumerate(sizes)]
         after, *results = check(parts, *seen)
-        after = after if isinstance(after, ca.SX) else layout.joined(after)
+        after = layout.joined(after)
         self._function = ca.Function("check", [known, *seen], [after, *results])
         self.memory, self.layout = memory, layout
 
@@ -75,7 +75,9 @@ class AirCheck(Evaluated):
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
-        super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 2, 3, 2])
+        memory = np.zeros(AIR_CHECK.size)
+        begin_air_check(AIR_CHECK.parts(memory))
+        super().__init__(check, AIR_CHECK, memory, [1, 1, 1, 1, 1, 4, 2, 3, 2])
         self.time, self.heading = 0.0, 0.0
 
     @property

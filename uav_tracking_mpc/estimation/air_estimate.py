@@ -81,16 +81,16 @@ SEEN = Layout(
     noise=3, position_noise=3, velocity_noise=3, scales=3,
 )  # fmt: skip
 MEMORY = Layout(
-    **dict.fromkeys(LANES, LANE.size),
-    meters=wind_filter.METERS.layout.size,
-    quick=wind_filter.QUICK.size,
-    aided=RATE_AIDED.size,
-    air=AIR_CHECK.size,
-    compass=COMPASS_CHECK.size,
-    follower=wind_filter.FOLLOWER.size,
-    velocity=VELOCITY_CHECK.size,
-    way=WAY_CHECK.size,
-    place=POSITION_CHECK.size,
+    **dict.fromkeys(LANES, LANE),
+    meters=wind_filter.METERS.layout,
+    quick=wind_filter.QUICK,
+    aided=RATE_AIDED,
+    air=AIR_CHECK,
+    compass=COMPASS_CHECK,
+    follower=wind_filter.FOLLOWER,
+    velocity=VELOCITY_CHECK,
+    way=WAY_CHECK,
+    place=POSITION_CHECK,
     ground=3,
 )
 # (x, y, z, psi, chi, v) through the air; (psi', chi', v'); mean wind [m/s] and how it changes
@@ -113,8 +113,6 @@ class AirEstimate:
         self.health = SensorHealth()
         self._memory, self._told = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(self._told)
-        self._filter = LANE.parts(self._known.main)
-        self._doubts = AIR_CHECK.parts(self._known.air).doubts
         self._step = BufferedFunction(_step(), [self._memory, self._told])
         self._found = FOUND.parts(self._step.results[1])
         self.reset()
@@ -123,17 +121,19 @@ class AirEstimate:
         """Forget the air and believe every sensor."""
         self._memory[:] = 0.0
         self._begin_filters()
-        self._known.aided[:] = rate_aided.initial()
-        self._known.air[:] = sensor_check.initial_air_check()
+        rate_aided.begin(self._known.aided)
+        sensor_check.begin_air_check(self._known.air)
         self._states = [USED] * len(self.health.states)
         self.health.reset()
 
     def _begin_filters(self) -> None:
         """Nothing is known of the wind."""
+        for name in (*LANES, "meters", "quick"):
+            MEMORY.part(name, self._memory)[:] = 0.0
         for lane in LANES:
-            getattr(self._known, lane)[:] = wind_filter.initial_lane()
-        self._known.meters[:] = wind_filter.METERS.initial()
-        self._known.quick[:] = self._found.without[:] = self._found.known[:] = 0.0
+            wind_filter.begin_lane(getattr(self._known, lane))
+        wind_filter.METERS.begin(self._known.meters)
+        self._found.without[:] = self._found.known[:] = 0.0
         self._time: float | None = None
 
     @property
@@ -149,33 +149,33 @@ class AirEstimate:
     @property
     def airspeed_doubts(self) -> tuple[float, float]:
         """By how much an airspeed that is still used may be too high, and too low, in [m/s]."""
-        high, low = self._doubts.tolist()
+        high, low = self._known.air.doubts.tolist()
         return high, low
 
     @property
     def mean_wind(self) -> NDArray[np.float64]:
         """w, shape (3,), in [m/s]."""
-        return self._filter.state[W].copy()
+        return self._known.main.state[W].copy()
 
     @property
     def gust(self) -> NDArray[np.float64]:
         """G at the newest measurement, shape (3,), in [m/s]."""
-        return self._filter.state[G].copy()
+        return self._known.main.state[G].copy()
 
     @property
     def ground_velocity_bias(self) -> NDArray[np.float64]:
         """b, shape (3,), in [m/s]."""
-        return self._filter.state[B].copy()
+        return self._known.main.state[B].copy()
 
     @property
     def airspeed_share(self) -> float:
         """alpha, [-]."""
-        return float(self._filter.state[ALPHA])
+        return float(self._known.main.state[ALPHA])
 
     @property
     def heading_bias(self) -> float:
         """Beta in [rad]."""
-        return float(self._filter.state[BETA])
+        return float(self._known.main.state[BETA])
 
     def update(
         self,
@@ -206,7 +206,7 @@ class AirEstimate:
             ValueError: There has been no position since the flight began.
         """
         noise, placed = measurement.noise, measurement.placed
-        position = vehicle[:3] if placed else self._filter.state[P]
+        position = vehicle[:3] if placed else self._known.main.state[P]
         scales = gust_scales(float(position[2]) - ground, 0.0)
         compass, turn_told = nose or (measurement.heading, rates[0])
         SEEN.fill(
@@ -242,24 +242,23 @@ class AirEstimate:
     def _begin(self) -> None:
         """Let position and motion begin anew, whatever was known of them."""
         seen, known = self._seen, self._known
-        for lane in LANES:
-            parts = LANE.parts(getattr(known, lane))
-            wind_filter.begin_position(parts, seen.position, seen.position_noise)
+        for name in LANES:
+            lane = getattr(known, name)
+            wind_filter.begin_position(lane, seen.position, seen.position_noise)
         motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
-        rate_aided.begin_values(RATE_AIDED.parts(known.aided), motion, seen.rates, seen.noise)
-        known.velocity[:] = known.place[:] = known.way[:] = known.compass[:] = 0.0
-        way = WAY_CHECK.parts(known.way)
-        way.begin[:], way.before[:] = seen.position, seen.ground
-        follower = wind_filter.FOLLOWER.parts(known.follower)
-        follower.place[:], follower.velocity[:] = seen.position, seen.ground
-        POSITION_CHECK.parts(known.place).last[:], known.ground[:] = np.nan, seen.ground
+        rate_aided.begin_values(known.aided, motion, seen.rates, seen.noise)
+        for name in ("velocity", "place", "way", "compass"):
+            MEMORY.part(name, self._memory)[:] = 0.0
+        known.way.begin[:] = known.follower.place[:] = seen.position
+        known.way.before[:] = known.follower.velocity[:] = known.ground[:] = seen.ground
+        known.place.last[:] = np.nan
 
     def _taken(self) -> SimpleNamespace:
         """What has been found; a filter goes on from the one that no wrong sensor has come into."""
         states = [STATES[int(code)] for code in self._found.states]
         for state, before, lane in zip(states, self._states, LANES[1:], strict=False):
             if state != before and state not in (USED, SILENT):
-                self._known.main[:] = getattr(self._known, lane)
+                MEMORY.part("main", self._memory)[:] = MEMORY.part(lane, self._memory)
         self._states = states
         self.health.states.update(zip(SENSORS, states, strict=True))
         if self._found.snapped[0]:
@@ -275,9 +274,8 @@ def _step() -> ca.Function:
     memory, known = MEMORY.symbol("memory")
     measured, seen = SEEN.symbol("seen")
     dt = seen.elapsed
-    lanes = [LANE.parts(getattr(known, lane)) for lane in LANES]
-    main, meters = lanes[MAIN], wind_filter.METERS.layout.parts(known.meters)
-    place = POSITION_CHECK.parts(known.place)
+    lanes = [getattr(known, lane) for lane in LANES]
+    main, meters, place, sensors = lanes[MAIN], known.meters, known.place, known.air
 
     # Ground velocity, compared with what is expected before airspeed and heading are
     state = main.state
@@ -285,42 +283,38 @@ def _step() -> ca.Function:
     deviation = ca.sqrt(ca.fmax(variance + ca.mmax(seen.velocity_noise) ** 2, 0.0))
     expected = main.air + state[W] + state[G] + state[B]
     velocity, odd, changed = sensor_check.velocity_checked(
-        VELOCITY_CHECK.parts(known.velocity), dt, seen.position, seen.ground, expected, deviation
+        known.velocity, dt, seen.position, seen.ground, expected, deviation
     )
     position_noise = ca.fmax(
         ca.sqrt(meters.held[wind_filter.POSITION]), ca.mmax(seen.position_noise)
     )
     fresh = sensor_check.is_fresh(place, seen.position, seen.placed)
     way, contrary = sensor_check.way_checked(
-        WAY_CHECK.parts(known.way), dt, seen.position, fresh, seen.ground, position_noise
+        known.way, dt, seen.position, fresh, seen.ground, position_noise
     )
     contrary = ca.logic_or(contrary, seen.stuck[1])
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
-    sensors = AIR_CHECK.parts(known.air)
     refused = sensors.reasons[sensor_check.AIRSPEED] > 0.0
     reason = sensors.reasons[sensor_check.HEADING]
     reason = ca.if_else(seen.stuck[0], CODE[USED], reason)  # whatever else it was
     sensors.reasons[sensor_check.HEADING] = sensor_check.repeated(reason, seen.stuck[0])
     no_airspeed_used = ca.logic_or(ca.logic_not(seen.measured), refused)
     turning = seen.rates[0] * ca.vertcat(-main.air[1], main.air[0], 0.0)
-    follower, by_positions = wind_filter.followed(
-        wind_filter.FOLLOWER.parts(known.follower), dt, seen.position, fresh, turning
-    )
+    follower, by_positions = wind_filter.followed(known.follower, dt, seen.position, fresh, turning)
     # Without an airspeed the expected velocity would confirm itself: positions replace it.
     instead = ca.if_else(no_airspeed_used, by_positions, expected)
     used_ground = ca.if_else(odd, instead, seen.ground)
 
     # Airspeed and heading
     turn_told = ca.logic_not(seen.turn_told == 0.0)
-    variance = rate_aided.METERS.layout.parts(RATE_AIDED.parts(known.aided).meters).held[0]
     compass, strayed, snapped = compass_check.compass_checked(
-        COMPASS_CHECK.parts(known.compass),
+        known.compass,
         dt,
         seen.compass,
         seen.turn_told,
         ca.logic_and(no_airspeed_used, turn_told),
         seen.stuck[0],
-        ca.fmax(ca.sqrt(variance), seen.noise[0]),
+        ca.fmax(ca.sqrt(known.aided.meters.held[0]), seen.noise[0]),
     )
     heading = seen.heading - snapped
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
@@ -344,14 +338,11 @@ def _step() -> ca.Function:
         strayed,
         seen.rates[2],
     )
-    reasons = AIR_CHECK.parts(air).reasons
     by_wind = turned, along / level
     heading = ca.if_else(out[1], by_wind[0], heading)
     airspeed = ca.if_else(out[0], by_wind[1], seen.airspeed)
     motion = ca.vertcat(heading, seen.path_angle, airspeed)
-    aided = rate_aided.smoothed(
-        RATE_AIDED.parts(known.aided), dt, motion, seen.rates, seen.noise, seen.biased
-    )
+    aided = rate_aided.smoothed(known.aided, dt, motion, seen.rates, seen.noise, seen.biased)
     heading, path_angle, airspeed = ca.vertsplit(aided.value)
 
     # Position
@@ -383,7 +374,8 @@ def _step() -> ca.Function:
     told, told_velocity = seen.position_noise**2, seen.velocity_noise**2
     told_mean = ca.sum1(told) / 3.0
     by_source = ca.vertcat(0.5 * ca.sum1(told_velocity[:2]), told_velocity[2], told_mean)
-    metered, variances = wind_filter.METERS.metered(meters, dt, sample, by_source)
+    metered = wind_filter.METERS.metered(meters, dt, sample, by_source)
+    variances = metered.held
     share = ca.if_else(told_mean > 0.0, told / told_mean, 1.0)
     noise = ca.vertcat(
         ca.fmax(variances[wind_filter.POSITION] * share, wind_filter.POSITION_NOISE**2),
@@ -393,23 +385,21 @@ def _step() -> ca.Function:
     read = ca.vertcat(position, ground)
     after = [wind_filter.corrected(lane, read, noise) for lane in ahead]
 
-    main, blind = LANE.parts(after[MAIN]), LANE.parts(after[NO_AIRSPEED])
+    main, blind = after[MAIN], after[NO_AIRSPEED]
     state = main.state
     unknown = ca.mmax(blind.triangle[LEVEL_WIND]) + ca.mmax(blind.triangle[LEVEL_GUST])
-    quick, gust = wind_filter.lasting_gust(
-        wind_filter.QUICK.parts(known.quick), dt, state[G], ahead[MAIN]
-    )
+    quick, gust = wind_filter.lasting_gust(known.quick, dt, state[G], ahead[MAIN])
     remembered = SimpleNamespace(
         **dict(zip(LANES, after, strict=True)),
         meters=metered,
         quick=quick,
-        aided=RATE_AIDED.joined(aided),
+        aided=aided,
         air=air,
         compass=compass,
         follower=follower,
         velocity=velocity,
         way=way,
-        place=POSITION_CHECK.joined(placed),
+        place=placed,
         ground=used_ground,
     )
     found = SimpleNamespace(
@@ -424,7 +414,9 @@ def _step() -> ca.Function:
         trend=ca.vertcat(state[T], 0.0),
         gust=gust,
         times=ahead[MAIN].times,
-        states=ca.vertcat(reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])),
+        states=ca.vertcat(
+            air.reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])
+        ),
         snapped=ca.fabs(snapped) > compass_check.BACK * compass_check.SNAP,
         changed=changed,
         without=blind.state[W],

@@ -45,7 +45,7 @@ def compass_checked(
     alone: ca.SX,
     stuck: ca.SX,
     deviation: ca.SX,
-) -> tuple[ca.SX, ca.SX, ca.SX]:
+) -> tuple[SimpleNamespace, ca.SX, ca.SX]:
     """What is known after a compass, what it strays by from the gyros, and by what it has jumped.
 
     The latter two in [rad]: since the compass before, and since it has been right.
@@ -71,4 +71,4 @@ def compass_checked(
     after = SimpleNamespace(
         nose=nose, snapped=snapped, rate=known.rate + change, known_for=known_for
     )
-    return COMPASS_CHECK.joined(after), strayed, snapped
+    return after, strayed, snapped

@@ -34,7 +34,6 @@ from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from uav_tracking_mpc.symbolic.layout import Layout
 
@@ -85,21 +84,22 @@ class NoiseMeters:
         samples = {"ages": SAMPLES, "samples": SAMPLES * self._width}
         self.layout = Layout(**times, **values, **samples)
 
-    def initial(self) -> NDArray[np.float64]:
-        """What is known before any sample, shape (n,)."""
-        memory = np.zeros(self.layout.size)
-        known = self.layout.parts(memory)
+    def begin(self, known: SimpleNamespace) -> None:
+        """Write what is known before any sample.
+
+        Args:
+            known: Views by :attr:`layout`, all 0.
+        """
         variances = np.square([signal.deviation for signal in self._signals])
         known.weight[:], known.long_time[:] = PRIOR_TIME, 1.0
         known.short[:] = 2.0 * variances
         known.long[:] = known.short + [signal.walk for signal in self._signals]
         known.held[:] = variances
-        return memory
 
     def metered(
         self, known: SimpleNamespace, elapsed: ca.SX, sample: ca.SX, told: ca.SX
-    ) -> tuple[ca.SX, ca.SX]:
-        """What is known after a sample, and variances R of its noise, as expressions.
+    ) -> SimpleNamespace:
+        """What is known after a sample; variances R of its noise are held.
 
         Args:
             known: By :attr:`layout`.
@@ -128,7 +128,7 @@ class NoiseMeters:
         measured = 0.5 * ca.fmax(short - walk * short_time, 0.0)
         late = ca.if_else(weight >= PRIOR_TIME + MEASURED_TIME, measured * told / average, held)
         variance = ca.if_else(counted, ca.if_else(told > 0.0, late, measured), held)
-        after = SimpleNamespace(
+        return SimpleNamespace(
             count=ca.fmin(count + 1.0, SAMPLES),
             weight=weight,
             short_time=short_time,
@@ -141,7 +141,6 @@ class NoiseMeters:
             ages=ca.vertcat(0.0, ages[: SAMPLES - 1]),
             samples=ca.vertcat(sample, known.samples[: -self._width]),
         )
-        return self.layout.joined(after), variance
 
     def walks(self, known: SimpleNamespace) -> ca.SX:
         """Intensities q of the random walks, as an expression.

@@ -45,16 +45,18 @@ UNTOLD_WALK = np.array([0.001, 0.001, 0.0])
 DEVIATIONS = 3.0  # -, standard deviations of an innovation, that tells of the bias
 METERS = NoiseMeters([Signal(1, noise) for noise in LEAST_NOISE])
 RATE_AIDED = Layout(
-    value=3, bias=3, rate=3, integral=3, xx=3, xb=3, bb=3, meters=METERS.layout.size
+    value=3, bias=3, rate=3, integral=3, xx=3, xb=3, bb=3, meters=METERS.layout
 )  # fmt: skip
 
 
-def initial() -> NDArray[np.float64]:
-    """What is known before anything is measured, shape (RATE_AIDED.size,)."""
-    memory = np.zeros(RATE_AIDED.size)
-    known = RATE_AIDED.parts(memory)
-    known.bb[:], known.meters[:] = np.square(RATE_BIAS), METERS.initial()
-    return memory
+def begin(known: SimpleNamespace) -> None:
+    """Write what is known before anything is measured.
+
+    Args:
+        known: Views by :data:`RATE_AIDED`, all 0.
+    """
+    known.bb[:] = np.square(RATE_BIAS)
+    METERS.begin(known.meters)
 
 
 def begin_values(
@@ -106,8 +108,8 @@ def smoothed(
     for axis in range(ANGLES):
         innovation[axis] = ca.remainder(innovation[axis], math.tau)
     sample = value + innovation - integral
-    meters, variance = METERS.metered(METERS.layout.parts(known.meters), elapsed, sample, told**2)
-    total = xx + ca.fmax(variance, ca.DM(LEAST_NOISE) ** 2)
+    meters = METERS.metered(known.meters, elapsed, sample, told**2)
+    total = xx + ca.fmax(meters.held, ca.DM(LEAST_NOISE) ** 2)
     gain_x, gain_b = xx / total, xb / total
     most = DEVIATIONS * ca.sqrt(total)  # a jump is no bias of the rate
     return SimpleNamespace(

@@ -45,8 +45,6 @@ import math
 from types import SimpleNamespace
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.sensor_health import JUMPED, OFF, SILENT, STATES, STUCK, USED
 from uav_tracking_mpc.symbolic.layout import Layout
@@ -114,13 +112,14 @@ AIR_CHECK = Layout(
 )  # fmt: skip
 
 
-def initial_air_check() -> NDArray[np.float64]:
-    """What is known before anything is compared, shape (AIR_CHECK.size,)."""
-    memory = np.zeros(AIR_CHECK.size)
-    known = AIR_CHECK.parts(memory)
+def begin_air_check(known: SimpleNamespace) -> None:
+    """Write what is known before anything is compared.
+
+    Args:
+        known: Views by :data:`AIR_CHECK`, all 0.
+    """
     known.jumps[:] = known.offsets[:] = PRIOR**2
     known.reading[:] = -1.0
-    return memory
 
 
 def velocity_checked(
@@ -130,7 +129,7 @@ def velocity_checked(
     measured: ca.SX,
     expected: ca.SX,
     deviation: ca.SX,
-) -> tuple[ca.SX, ca.SX, ca.SX]:
+) -> tuple[SimpleNamespace, ca.SX, ca.SX]:
     """What is known after a ground velocity; whether it is left out; whether the air has changed.
 
     Args:
@@ -159,7 +158,7 @@ def velocity_checked(
         by_measured=ca.if_else(judged, 0.0, by_measured),
         by_expected=ca.if_else(judged, 0.0, by_expected),
     )
-    return VELOCITY_CHECK.joined(after), ca.logic_and(far, ca.logic_not(changed)), changed
+    return after, ca.logic_and(far, ca.logic_not(changed)), changed
 
 
 def way_checked(
@@ -169,7 +168,7 @@ def way_checked(
     fresh: ca.SX,
     measured: ca.SX,
     deviation: ca.SX,
-) -> tuple[ca.SX, ca.SX]:
+) -> tuple[SimpleNamespace, ca.SX]:
     """What is known after a ground velocity, and whether positions contradict it.
 
     They do if for :data:`CONTRARY_TIME` the way flown in each window differs, to the same side.
@@ -215,8 +214,7 @@ def way_checked(
         contrary=ca.if_else(full, contrary, known.contrary),
         climbs=climbs,
     )
-    wrong = ca.logic_or(after.contrary >= CONTRARY_TIME, against)
-    return WAY_CHECK.joined(after), wrong
+    return after, ca.logic_or(after.contrary >= CONTRARY_TIME, against)
 
 
 def is_fresh(known: SimpleNamespace, position: ca.SX, present: ca.SX) -> ca.SX:
@@ -286,7 +284,7 @@ def air_checked(
     turn_told: ca.SX,
     strayed: ca.SX,
     acceleration: ca.SX,
-) -> tuple[ca.SX, list[ca.SX], ca.SX, ca.SX]:
+) -> tuple[SimpleNamespace, list[ca.SX], ca.SX, ca.SX]:
     """What is known after airspeed and heading, which of them is left out, and what the wind tells.
 
     The latter are the heading [rad] and the level airspeed [m/s].
@@ -368,7 +366,7 @@ def air_checked(
     way = ca.if_else(no_airspeed, air[0], air[1])
     along = ca.if_else(no_heading, ca.norm_2(air[0]), along)
     out = [no_airspeed, no_heading]
-    return AIR_CHECK.joined(known), out, ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
+    return known, out, ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
 
 
 def repeated(state: ca.SX, stuck: ca.SX) -> ca.SX:

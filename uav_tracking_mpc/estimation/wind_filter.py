@@ -102,13 +102,15 @@ FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
 FOLLOWER = Layout(place=3, velocity=3)
 
 
-def initial_lane() -> NDArray[np.float64]:
-    """What a filter knows before anything is measured, shape (LANE.size,)."""
-    memory = np.zeros(LANE.size)
+def begin_lane(lane: SimpleNamespace) -> None:
+    """Write what a filter knows before anything is measured.
+
+    Args:
+        lane: Views by :data:`LANE`, all 0.
+    """
     deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
     prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, AIRSPEED_SHARE, HEADING_BIAS]
-    LANE.parts(memory).triangle[DIAGONAL] = np.square(prior)
-    return memory
+    lane.triangle[DIAGONAL] = np.square(prior)
 
 
 def begin_position(
@@ -182,7 +184,7 @@ def predicted(
 
 def lasting_gust(
     known: SimpleNamespace, elapsed: ca.SX, gust: ca.SX, lane: SimpleNamespace
-) -> tuple[ca.SX, ca.SX]:
+) -> tuple[SimpleNamespace, ca.SX]:
     """What is known of gusts after one, and the part of it that a plan should count on, in [m/s].
 
     A gust that fades slowly stays alike over half a second, also the quick part of it. What shakes
@@ -214,7 +216,7 @@ def lasting_gust(
     after = SimpleNamespace(
         slow=slow, averaged=averaged, squares=squares, products=products, by_sensors=by_sensors
     )
-    return QUICK.joined(after), slow + ca.vertcat(counts[0], counts[0], counts[1]) * quick
+    return after, slow + ca.vertcat(counts[0], counts[0], counts[1]) * quick
 
 
 def _between(values: ca.SX, least: float, most: float) -> ca.SX:
@@ -244,8 +246,8 @@ def sampled(lane: SimpleNamespace, position: ca.SX, velocity: ca.SX) -> ca.SX:
     return ca.vertcat(wind, position - lane.state[P])
 
 
-def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> ca.SX:
-    """A filter with position and ground velocity measured, as a column of :data:`LANE`.
+def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> SimpleNamespace:
+    """A filter with position and ground velocity measured, by :data:`LANE`.
 
     Args:
         lane: As predicted.
@@ -268,14 +270,12 @@ def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> ca.SX:
     # Of the consider filter too this is the upper triangle: alpha and beta come last.
     covariance -= gain @ crossed
     triangle = [covariance[r, c] for r, c in zip(_ROWS, _COLUMNS, strict=True)]
-    lane = SimpleNamespace(**vars(lane))
-    lane.state, lane.triangle = after, ca.vertcat(*triangle)
-    return LANE.joined(lane)
+    return SimpleNamespace(**vars(lane) | {"state": after, "triangle": ca.vertcat(*triangle)})
 
 
 def followed(
     known: SimpleNamespace, elapsed: ca.SX, position: ca.SX, fresh: ca.SX, acceleration: ca.SX
-) -> tuple[ca.SX, ca.SX]:
+) -> tuple[SimpleNamespace, ca.SX]:
     """What is known after a position, and the velocity over ground by positions, in [m/s].
 
     Args:
@@ -291,7 +291,7 @@ def followed(
     step = ca.fmin(elapsed, 0.5 / FOLLOWED)  # else it would not come to rest
     velocity += FOLLOWED**2 * step * error
     after = SimpleNamespace(place=place + 2.0 * FOLLOWED * step * error, velocity=velocity)
-    return FOLLOWER.joined(after), velocity
+    return after, velocity
 
 
 def _averaged(

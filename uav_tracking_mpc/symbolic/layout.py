@@ -28,16 +28,18 @@ class Layout:
     """Parts of a vector that follow each other.
 
     Args:
-        sizes: How many numbers each part has, by its name.
+        parts: By its name how many numbers a part has, or of which parts it consists itself.
 
     Attributes:
         size: How many numbers they have together.
     """
 
-    def __init__(self, **sizes: int) -> None:
+    def __init__(self, **parts: int | Layout) -> None:
         self._slices: dict[str, slice] = {}
+        self._inner = {name: part for name, part in parts.items() if isinstance(part, Layout)}
         self.size = 0
-        for name, size in sizes.items():
+        for name, part in parts.items():
+            size = part if isinstance(part, int) else part.size
             self._slices[name] = slice(self.size, self.size + size)
             self.size += size
 
@@ -47,7 +49,18 @@ class Layout:
         Args:
             vector: Shape (size,), or a CasADi column.
         """
-        return SimpleNamespace(**{name: vector[place] for name, place in self._slices.items()})
+        pieces = {name: vector[place] for name, place in self._slices.items()}
+        inner = {name: part.parts(pieces[name]) for name, part in self._inner.items()}
+        return SimpleNamespace(**pieces | inner)
+
+    def part(self, name: str, vector: Any) -> Any:
+        """One part as a whole: a view of an array, or a piece of a column.
+
+        Args:
+            name: Of the part.
+            vector: Shape (size,), or a CasADi column.
+        """
+        return vector[self._slices[name]]
 
     def fill(self, vector: NDArray[np.float64], **values: ArrayLike) -> None:
         """Write parts of an array.
@@ -74,4 +87,6 @@ class Layout:
         Args:
             parts: Expressions, each with as many entries as its size says.
         """
-        return ca.densify(ca.vertcat(*[getattr(parts, name) for name in self._slices]))
+        inner = {name: part.joined(getattr(parts, name)) for name, part in self._inner.items()}
+        pieces = vars(parts) | inner
+        return ca.densify(ca.vertcat(*[pieces[name] for name in self._slices]))
