@@ -32,14 +32,12 @@ from uav_tracking_mpc.estimation.sensor_check import (
     POSITION_CHECK,
     STANDING,
     VELOCITY_CHECK,
-    WAY_CHECK,
     WINDOW,
     air_checked,
     begin_air_check,
     position_checked,
     repeated,
     velocity_checked,
-    way_checked,
 )
 from uav_tracking_mpc.estimation.sensor_health import STATES
 from uav_tracking_mpc.estimation.wind_filter import FOLLOWER, followed
@@ -250,21 +248,26 @@ ODD_ONE = np.add(EXPECTED, (0.0, 2.0 * ODD, 0.0))
 USED, LEFT_OUT, NEW = (0, 0), (1, 0), (0, 1)
 
 
+def velocity_check(position, velocity):
+    memory = np.zeros(VELOCITY_CHECK.size)
+    known = VELOCITY_CHECK.parts(memory)
+    known.begin[:], known.before[:] = position, velocity
+    return Evaluated(velocity_checked, VELOCITY_CHECK, memory, [1, 3, 1, 3, 3, 1, 1])
+
+
 @pytest.fixture
 def velocities():
-    return Evaluated(
-        velocity_checked, VELOCITY_CHECK, np.zeros(VELOCITY_CHECK.size), [1, 3, 3, 3, 1]
-    )
+    return velocity_check(np.zeros(3), EXPECTED)
 
 
 def judged(check, flown, measured, duration, deviation=0.0):
     """Verdicts over a time in which one velocity is flown and one measured."""
     steps = range(round(duration / VELOCITY_STEP))
     found = (
-        check(VELOCITY_STEP, k * VELOCITY_STEP * flown, measured, EXPECTED, deviation)
+        check(VELOCITY_STEP, k * VELOCITY_STEP * flown, 1.0, measured, EXPECTED, deviation, 0.1)
         for k in steps
     )
-    return [(int(odd[0]), int(changed[0])) for odd, changed in found]
+    return [(int(odd[0]), int(changed[0])) for odd, _, changed in found]
 
 
 def test_a_velocity_that_is_near_is_used_and_one_that_is_uncertain_may_be_farther(velocities):
@@ -281,7 +284,7 @@ def test_a_velocity_that_is_flown_is_new_after_the_window(velocities):
     verdicts = judged(velocities, ODD_ONE, ODD_ONE, 2.0 * WINDOW)
     first = verdicts.index(NEW)
     assert set(verdicts[:first]) == {LEFT_OUT}
-    assert abs((first + 1) * VELOCITY_STEP - WINDOW) < 2.0 * VELOCITY_STEP
+    assert abs(first * VELOCITY_STEP - WINDOW) < 2.0 * VELOCITY_STEP
 
 
 def test_a_fault_that_turns_into_a_change_is_believed_at_last(velocities):
@@ -295,22 +298,20 @@ def test_an_odd_velocity_between_good_ones_is_forgotten(velocities):
         assert judged(velocities, EXPECTED, EXPECTED, VELOCITY_STEP) == [USED]
 
 
-def way_check(position, velocity):
-    memory = np.zeros(WAY_CHECK.size)
-    known = WAY_CHECK.parts(memory)
-    known.begin[:], known.before[:] = position, velocity
-    return Evaluated(way_checked, WAY_CHECK, memory, [1, 3, 1, 3, 1])
+def is_contrary(check, step, position, fresh, measured, noise):
+    """Whether positions contradict a velocity that is as expected."""
+    return bool(check(step, position, fresh, measured, measured, 0.0, noise)[1])
 
 
 def contradicted(measured, duration, moved=lambda time: 0.0, fresh=True, check=None, begin=0.0):
     """Verdicts of flying to the East, with positions that are elsewhere; and the check."""
     if check is None:
-        check = way_check(np.zeros(3), measured)
+        check = velocity_check(np.zeros(3), measured)
     found = []
     for k in range(1, round(duration / STEP)):
         time = begin + k * STEP
         position = time * EXPECTED + np.array([0.0, moved(time), 0.0])
-        found.append(bool(check(STEP, position, fresh, measured, 0.1)[0]))
+        found.append(is_contrary(check, STEP, position, fresh, measured, 0.1))
     return found, check
 
 
@@ -342,24 +343,25 @@ def test_positions_that_fail_for_a_moment_contradict_no_velocity(moved):
 def test_a_vertical_velocity_of_the_other_sign_is_contradicted(gain, wrong, noise):
     """Though it may differ by less than 3 m/s, beside heights with noise and steps."""
     random, size = np.random.default_rng(0), 0.6 + 3.0 * noise
-    check, found = way_check(np.zeros(3), np.array([22.0, 0.0, 0.0])), []
+    check, found = velocity_check(np.zeros(3), np.array([22.0, 0.0, 0.0])), []
     for time in np.arange(STEP, 60.0, STEP):
         climb = size * math.sin(0.7 * time)
         height = size / 0.7 * (1.0 - math.cos(0.7 * time)) + 3.0 * (time % 20.0 > 10.0)
         position = np.array([22.0 * time, 0.0, height]) + noise * random.standard_normal(3)
-        found.append(bool(check(STEP, position, True, [22.0, 0.0, gain * climb], noise)[0]))
+        velocity = [22.0, 0.0, gain * climb]
+        found.append(is_contrary(check, STEP, position, True, velocity, noise))
     assert found[-1] == wrong
     assert any(found) == wrong
 
 
 @pytest.mark.parametrize("step", [0.02, 1.0])
 def test_a_turn_that_is_seldom_measured_contradicts_nothing(step):
-    check = way_check([0.0, -55.0, 0.0], [22.0, 0.0, 0.0])
+    check = velocity_check([0.0, -55.0, 0.0], [22.0, 0.0, 0.0])
     for k in range(1, round(30.0 / step)):
         angle = 0.4 * k * step
         position = 55.0 * np.array([math.sin(angle), -math.cos(angle), 0.0])
         velocity = 22.0 * np.array([math.cos(angle), math.sin(angle), 0.0])
-        assert not check(step, position, True, velocity, 0.1)[0]
+        assert not is_contrary(check, step, position, True, velocity, 0.1)
 
 
 def test_positions_that_repeat_themselves_contradict_nothing():

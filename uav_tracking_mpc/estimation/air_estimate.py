@@ -43,13 +43,7 @@ from uav_tracking_mpc.estimation import (
 from uav_tracking_mpc.estimation.compass_check import COMPASS_CHECK
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
-from uav_tracking_mpc.estimation.sensor_check import (
-    AIR_CHECK,
-    CODE,
-    POSITION_CHECK,
-    VELOCITY_CHECK,
-    WAY_CHECK,
-)
+from uav_tracking_mpc.estimation.sensor_check import AIR_CHECK, CODE, POSITION_CHECK, VELOCITY_CHECK
 from uav_tracking_mpc.estimation.sensor_health import (
     HEADING,
     JUMPED,
@@ -89,7 +83,6 @@ MEMORY = Layout(
     compass=COMPASS_CHECK,
     follower=wind_filter.FOLLOWER,
     velocity=VELOCITY_CHECK,
-    way=WAY_CHECK,
     place=POSITION_CHECK,
     ground=3,
 )
@@ -247,10 +240,10 @@ class AirEstimate:
             wind_filter.begin_position(lane, seen.position, seen.position_noise)
         motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
         rate_aided.begin_values(known.aided, motion, seen.rates, seen.noise)
-        for name in ("velocity", "place", "way", "compass"):
+        for name in ("velocity", "place", "compass"):
             MEMORY.part(name, self._memory)[:] = 0.0
-        known.way.begin[:] = known.follower.place[:] = seen.position
-        known.way.before[:] = known.follower.velocity[:] = known.ground[:] = seen.ground
+        known.velocity.begin[:] = known.follower.place[:] = seen.position
+        known.velocity.before[:] = known.follower.velocity[:] = known.ground[:] = seen.ground
         known.place.last[:] = np.nan
 
     def _taken(self) -> SimpleNamespace:
@@ -282,15 +275,12 @@ def _step() -> ca.Function:
     variance = ca.sum1(main.triangle[DIAGONAL[W.start : B.stop].tolist()])
     deviation = ca.sqrt(ca.fmax(variance + ca.mmax(seen.velocity_noise) ** 2, 0.0))
     expected = main.air + state[W] + state[G] + state[B]
-    velocity, odd, changed = sensor_check.velocity_checked(
-        known.velocity, dt, seen.position, seen.ground, expected, deviation
-    )
     position_noise = ca.fmax(
         ca.sqrt(meters.held[wind_filter.POSITION]), ca.mmax(seen.position_noise)
     )
     fresh = sensor_check.is_fresh(place, seen.position, seen.placed)
-    way, contrary = sensor_check.way_checked(
-        known.way, dt, seen.position, fresh, seen.ground, position_noise
+    velocity, odd, contrary, changed = sensor_check.velocity_checked(
+        known.velocity, dt, seen.position, fresh, seen.ground, expected, deviation, position_noise
     )
     contrary = ca.logic_or(contrary, seen.stuck[1])
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
@@ -398,7 +388,6 @@ def _step() -> ca.Function:
         compass=compass,
         follower=follower,
         velocity=velocity,
-        way=way,
         place=placed,
         ground=used_ground,
     )

@@ -55,8 +55,6 @@ CODE = {state: float(number) for number, state in enumerate(STATES)}
 ODD = 10.0  # m/s that it may be apart from what is expected, besides deviations
 ODD_DEVIATIONS = 4.0  # -, standard deviations of what is expected, that it may be apart as well
 WINDOW = 1.0  # s after which positions tell which of the two velocities was flown
-VELOCITY_CHECK = Layout(odd=1, begin=3, by_measured=3, by_expected=3)
-
 # m/s, and standard deviations of positions, by which the way flown may differ from that velocity
 # in each window; and s for which it then does: a position that jumps, and back, takes two windows
 CONTRARY, CONTRARY_DEVIATIONS, CONTRARY_TIME = 3.0, 6.0, 3.0
@@ -66,7 +64,9 @@ CLIMBING, CLIMBS = 0.3, 20.0
 # share of it from which on the heights are against them
 LEAST_CLIMB, SURE_CLIMB, AGAINST = 1.0, 70.0, -0.3
 ALIKE = 0.5  # -, cosine between differences of successive windows: those of jumps go anywhere
-WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1, climbs=2)
+VELOCITY_CHECK = Layout(
+    odd=1, time=1, begin=3, way=3, by_expected=3, before=3, error=3, contrary=1, climbs=2
+)
 
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
@@ -126,95 +126,67 @@ def velocity_checked(
     known: SimpleNamespace,
     elapsed: ca.SX,
     position: ca.SX,
+    fresh: ca.SX,
     measured: ca.SX,
     expected: ca.SX,
     deviation: ca.SX,
-) -> tuple[SimpleNamespace, ca.SX, ca.SX]:
-    """What is known after a ground velocity; whether it is left out; whether the air has changed.
+    noise: ca.SX,
+) -> tuple[SimpleNamespace, ca.SX, ca.SX, ca.SX]:
+    """What is known after a ground velocity; is it odd, contradicted, or has the air changed.
+
+    The air has changed if one was odd for a window, in which it was flown rather than what was
+    expected. Positions contradict one if in :data:`CONTRARY_TIME` of windows the way flown differs,
+    to the same side. Positions that fail do so for a moment, or repeat themselves. A vertical
+    velocity of the other sign differs by little at first, and the more the aircraft is steered by
+    it: they contradict one as well if heights mostly change against it.
 
     Args:
-        known: By :data:`VELOCITY_CHECK`: for how long velocities have been odd [s], where that
-            began [m], ways since then by both velocities [m].
-        elapsed: Since the measurement before in [s].
-        position: As measured, shape (3,), in [m].
-        measured: Shape (3,), in [m/s].
-        expected: Shape (3,), in [m/s].
-        deviation: Standard deviation of the difference in [m/s].
-    """
-    far = ca.norm_2(measured - expected) > ODD + ODD_DEVIATIONS * deviation
-    goes_on = known.odd > 0.0
-    begin = ca.if_else(goes_on, known.begin, position)
-    by_measured = ca.if_else(goes_on, known.by_measured + elapsed * measured, 0.0)
-    by_expected = ca.if_else(goes_on, known.by_expected + elapsed * expected, 0.0)
-    odd = ca.if_else(far, known.odd + elapsed, 0.0)
-    judged = odd >= WINDOW
-    way = position - begin
-    flown = ca.sumsqr(way - by_measured) < ca.sumsqr(way - by_expected)
-    changed = ca.logic_and(judged, flown)
-    # One that was not flown is still odd; the next window decides anew.
-    after = SimpleNamespace(
-        odd=ca.if_else(judged, ca.if_else(changed, 0.0, elapsed), odd),
-        begin=ca.if_else(judged, position, begin),
-        by_measured=ca.if_else(judged, 0.0, by_measured),
-        by_expected=ca.if_else(judged, 0.0, by_expected),
-    )
-    return after, ca.logic_and(far, ca.logic_not(changed)), changed
-
-
-def way_checked(
-    known: SimpleNamespace,
-    elapsed: ca.SX,
-    position: ca.SX,
-    fresh: ca.SX,
-    measured: ca.SX,
-    deviation: ca.SX,
-) -> tuple[SimpleNamespace, ca.SX]:
-    """What is known after a ground velocity, and whether positions contradict it.
-
-    They do if for :data:`CONTRARY_TIME` the way flown in each window differs, to the same side.
-    Positions that fail do so for a moment, or repeat themselves. A vertical velocity of the other
-    sign differs by little at first, and the more the aircraft is steered by it: they contradict one
-    as well if heights mostly change against it.
-
-    Args:
-        known: By :data:`WAY_CHECK`: for how long this window lasts [s], where it began, the way by
-            the velocity since then [m], the velocity before [m/s], by how much the way of the
-            window before differed [m], for how long windows have contradicted the velocity [s],
-            sums over windows of c h and c^2, with the climb c and as much of the height's h [m^2].
+        known: By :data:`VELOCITY_CHECK`: whether the velocity is odd, for how long this window
+            lasts [s], where it began, the ways by both velocities since then [m], the velocity
+            before [m/s], by how much the way of the window before differed [m], for how long
+            windows have contradicted the velocity [s], sums over windows of c h and c^2, with the
+            climb c and as much of the height's h [m^2].
         elapsed: Since the measurement before in [s].
         position: As measured, shape (3,), in [m].
         fresh: 1 where one is measured that is not the one before, else 0.
         measured: Shape (3,), in [m/s].
-        deviation: Standard deviation of the noise of positions on the worst axis in [m].
+        expected: Shape (3,), in [m/s].
+        deviation: Standard deviation of the difference of both velocities in [m/s].
+        noise: Standard deviation of the noise of positions on the worst axis in [m].
     """
+    far = ca.norm_2(measured - expected) > ODD + ODD_DEVIATIONS * deviation
     time, way = known.time + elapsed, known.way + 0.5 * elapsed * (known.before + measured)
+    by_expected = known.by_expected + elapsed * expected
     full = fresh * (time >= WINDOW)
-    limit = CONTRARY * time + CONTRARY_DEVIATIONS * deviation
-    difference = position - known.begin - way
+    flown = position - known.begin
+    difference = flown - way
     error, error_before = ca.norm_2(difference), ca.norm_2(known.error)
+    changed = full * far * known.odd * (error < ca.norm_2(flown - by_expected))
+    limit = CONTRARY * time + CONTRARY_DEVIATIONS * noise
     along = ca.dot(difference, known.error) > ALIKE * error * error_before
-    long = known.contrary >= CONTRARY_TIME
-    kept = ca.logic_and(long, error > AGREEING * limit)
-    contrary = ca.fmin(ca.if_else(along, known.contrary, 0.0) + time, CONTRARY_TIME)
+    kept = ca.logic_and(known.contrary >= CONTRARY_TIME, error > AGREEING * limit)
+    contrary = ca.fmin(ca.if_else(along, known.contrary, 0.0) + WINDOW, CONTRARY_TIME)
     contrary = ca.if_else(error > limit, contrary, 0.0)
     contrary = ca.if_else(kept, known.contrary, contrary)
-    begins = ca.logic_or(full, ca.logic_not(fresh))
     climb, most = way[2], ca.fabs(way[2])
-    height = ca.fmin(ca.fmax(position[2] - known.begin[2], -most), most)
+    height = ca.fmin(ca.fmax(flown[2], -most), most)
     climbs = math.exp(-1.0 / CLIMBS) * known.climbs + climb * ca.vertcat(height, climb)
     climbs = ca.if_else(full * (most > CLIMBING * time), climbs, known.climbs)
     against = climbs[0] < AGAINST * climbs[1]
-    against *= climbs[1] > LEAST_CLIMB + SURE_CLIMB * deviation**2
+    against *= climbs[1] > LEAST_CLIMB + SURE_CLIMB * noise**2
+    begins = ca.logic_or(full, ca.logic_and(far, ca.logic_not(known.odd)))
     after = SimpleNamespace(
+        odd=ca.logic_and(far, ca.logic_not(changed)),
         time=ca.if_else(begins, 0.0, time),
         begin=ca.if_else(begins, position, known.begin),
         way=ca.if_else(begins, 0.0, way),
+        by_expected=ca.if_else(begins, 0.0, by_expected),
         before=measured,
         error=ca.if_else(full, difference, known.error),
         contrary=ca.if_else(full, contrary, known.contrary),
         climbs=climbs,
     )
-    return after, ca.logic_or(after.contrary >= CONTRARY_TIME, against)
+    return after, after.odd, ca.logic_or(after.contrary >= CONTRARY_TIME, against), changed
 
 
 def is_fresh(known: SimpleNamespace, position: ca.SX, present: ca.SX) -> ca.SX:
