@@ -20,10 +20,9 @@ import math
 from typing import NamedTuple
 
 CHANNELS = ("turn rate", "path-angle rate", "acceleration")
-# The sum of lag and dead time is trusted below the first deviation and until the second: what it is
-# off by adds to the phase. Lag and gain alone likewise.
+# The sum of lag and dead time, or the lag alone, is trusted below the first deviation and until the
+# second: what it is off by adds to the phase. The gain likewise.
 DELAY_TRUST = (0.05, 0.1)  # s
-LAG_TRUST = (0.05, 0.1)  # s
 GAIN_TRUST = (0.03, 0.06)  # -
 # Deviation of the gain beyond which there may be no response at all, only noise that looks alike.
 RESPONSE_TRUST = 0.1
@@ -73,6 +72,6 @@ class ChannelResponse(NamedTuple):
         seen = self.gain_deviation < RESPONSE_TRUST
         return self._replace(
             trusted=seen and self.delay_deviation < DELAY_TRUST[before.trusted],
-            lag_trusted=seen and self.lag_deviation < LAG_TRUST[before.lag_trusted],
+            lag_trusted=seen and self.lag_deviation < DELAY_TRUST[before.lag_trusted],
             gain_trusted=self.gain_deviation < GAIN_TRUST[before.gain_trusted],
         )

@@ -38,7 +38,6 @@ from numpy.typing import NDArray
 WINDOW = 240  # second differences that count
 NEWEST = 24  # of them, which notice that the noise has changed
 CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but once in a thousand
-PRIOR = 1  # as many as what is told weighs at the beginning
 KNOWN = 3  # second differences after which the noise is known, with what is told
 SPAN = 5.0  # s, within which the target's acceleration is taken as small
 RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
@@ -61,7 +60,7 @@ class MeasurementNoise:
     def reset(self) -> None:
         """Believe again what is told."""
         self._recent: deque[tuple[float, NDArray[np.float64], float]] = deque(maxlen=2)
-        self._squares = deque([CHI_SQUARE] * PRIOR, maxlen=WINDOW)
+        self._squares = deque([CHI_SQUARE], maxlen=WINDOW)
         self.scale, self.known = 1.0, False
 
     def see(self, time: float, position: NDArray[np.float64], variance: float) -> None:

@@ -32,6 +32,7 @@ from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
+from uav_tracking_mpc.estimation.response_candidates import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import (
     AIRSPEED,
     OFF,
@@ -49,7 +50,6 @@ LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 ROUNDING = 1e-9  # -, of a count of steps
 LATENCY_LIMIT = 1.5  # s, counted on at most: a greater one is that of a clock
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
-ACCELERATION = 2  # axis of u_v among the inputs
 BELOW = 20.0  # m, under its target, where hardly an aircraft is unless its z is positive down
 # m/s, m/s, m: how quickly a position that is carried on goes astray by the ground velocity, and by
 # air velocity and wind in its place; and how far, from which on nobody should fly by it

@@ -41,7 +41,7 @@ SAMPLES = 16  # -, of the longer difference
 MEMORY = 40.0  # s, of the noise of an aircraft's sensors and of gusts
 PRIOR_TIME = 1.0  # s of samples that what is taken at first counts for
 MEASURED_TIME = 2.0  # s of samples after which the noise that is measured counts, not that told
-LONGEST_GAP = 1.0  # s between samples beyond which the signal begins anew
+LONGEST_GAP = 1.0  # s between samples beyond which a signal begins anew
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
+from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
 from uav_tracking_mpc.estimation.response_candidates import DEAD_TIMES, LAGS, ResponseCandidates
 
 MEMORY = 60.0  # s, T_m
@@ -49,7 +50,6 @@ NOISE_FLOOR = np.array([0.003, 0.003, 0.05])
 CORRELATION_LIMIT = 0.98  # -, of successive residuals
 PLAUSIBLE = np.array([10.0, 10.0, 1000.0])  # rad/s, rad/s, m/s: beyond them a sensor is broken
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
-LONGEST_GAP = 1.0  # s without measurements, after which begins another flight
 # -, -, s: near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it
 # takes to lag away afterwards: share of the limit that is measured, share that is asked for, time.
 SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0

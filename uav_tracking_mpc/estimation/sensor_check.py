@@ -47,17 +47,17 @@ from types import SimpleNamespace
 import casadi as ca
 
 from uav_tracking_mpc.estimation.sensor_health import JUMPED, OFF, SILENT, STATES, STUCK, USED
+from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 from uav_tracking_mpc.symbolic.layout import Layout
 
 CODE = {state: float(number) for number, state in enumerate(STATES)}
 
 # Ground velocity
-ODD = 10.0  # m/s that it may be apart from what is expected, besides deviations
-ODD_DEVIATIONS = 4.0  # -, standard deviations of what is expected, that it may be apart as well
+ODD = 10.0  # m/s that it may be apart from what is expected, besides its deviations
 WINDOW = 1.0  # s after which positions tell which of the two velocities was flown
-# m/s, and standard deviations of positions, by which the way flown may differ from that velocity
-# in each window; and s for which it then does: a position that jumps, and back, takes two windows
-CONTRARY, CONTRARY_DEVIATIONS, CONTRARY_TIME = 3.0, 6.0, 3.0
+# m/s by which the way flown may differ from that velocity in each window, besides the noise of
+# positions; and s for which it then does: a position that jumps, and back, takes two windows
+CONTRARY, CONTRARY_TIME = 3.0, 3.0
 # m/s, -: climb of a window that tells whether the height follows it, and how many windows count
 CLIMBING, CLIMBS = 0.3, 20.0
 # m^2, -, -: what the sum of their squares must have, besides so many variances of the height; and
@@ -68,10 +68,10 @@ VELOCITY_CHECK = Layout(
     odd=1, time=1, begin=3, way=3, by_expected=3, before=3, error=3, contrary=1, climbs=2
 )
 
-# Positions that are elsewhere by more than this and so many standard deviations of their noise are
-# left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
-# A height that stays the same while the ground velocity climbs as far is stuck.
-JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
+# Positions that are elsewhere by more than this, besides their noise, are left out for a time. If
+# they stay there, what is told of the aircraft's place goes there gently. A height that stays the
+# same while the ground velocity climbs as far is stuck.
+JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0  # m, s, s
 STANDING = 0.25  # -, of that climb, from which on a height that stays is not used
 POSITION_CHECK = Layout(jumped=1, faded=3, last=3, climbed=1)
 
@@ -86,9 +86,9 @@ DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the o
 # rad, that the wind's error turns against the heading in a jump: of the wind without airspeed, and
 # of that without heading; 0.3 of both blamed a sound heading in moderate gusts
 TURNED = 0.3, 0.7
-# s, and share of what the wind without airspeed has changed in it: it may have changed as much
-# along the heading, where it was not seen
-CHANGES, MOVES = 40.0, 1.0
+# s: what the wind without airspeed has changed in it, it may have changed along the heading too,
+# where it was not seen
+CHANGES = 40.0
 # m/s: standard deviation of the wind from which on there is something to compare; and once the
 # flight has lasted, in gusts that let no wind be known better
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
@@ -154,7 +154,7 @@ def velocity_checked(
         deviation: Standard deviation of the difference of both velocities in [m/s].
         noise: Standard deviation of the noise of positions on the worst axis in [m].
     """
-    far = ca.norm_2(measured - expected) > ODD + ODD_DEVIATIONS * deviation
+    far = ca.norm_2(measured - expected) > ODD + DEVIATIONS * deviation
     time, way = known.time + elapsed, known.way + 0.5 * elapsed * (known.before + measured)
     by_expected = known.by_expected + elapsed * expected
     full = fresh * (time >= WINDOW)
@@ -162,7 +162,7 @@ def velocity_checked(
     difference = flown - way
     error, error_before = ca.norm_2(difference), ca.norm_2(known.error)
     changed = full * far * known.odd * (error < ca.norm_2(flown - by_expected))
-    limit = CONTRARY * time + CONTRARY_DEVIATIONS * noise
+    limit = CONTRARY * time + NOISE_MULTIPLE * noise
     along = ca.dot(difference, known.error) > ALIKE * error * error_before
     kept = ca.logic_and(known.contrary >= CONTRARY_TIME, error > AGREEING * limit)
     contrary = ca.fmin(ca.if_else(along, known.contrary, 0.0) + WINDOW, CONTRARY_TIME)
@@ -216,7 +216,7 @@ def position_checked(
         climb: Upward ground velocity in [m/s].
         deviation: Standard deviation of the noise on the worst axis in [m].
     """
-    limit = JUMP + JUMP_DEVIATIONS * deviation
+    limit = JUMP + NOISE_MULTIPLE * deviation
     repeated = ca.logic_and(present, ca.logic_not(is_fresh(known, position, present)))
     stands = ca.logic_and(present, position[2] == known.last[2])
     goes_on = ca.fabs(known.climbed) <= limit  # and then stays beyond
@@ -314,7 +314,7 @@ def air_checked(
         own,
         turn_told,
         ca.vertcat(*TURNED) * wind_deviations,
-        MOVES * moved,
+        moved,
         ca.norm_2(explained - recent),
     )
     for name, value in vars(after).items():
@@ -326,7 +326,7 @@ def air_checked(
     known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
     known.recent = ca.if_else(compared[AIRSPEED], recent, explained)
     known.reasons = ca.if_else(known_winds, agreed, reasons)
-    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + MOVES * moved
+    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + moved
     # When the comparison begins, the wind may still be what is wrong.
     early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
     gate += early * DEVIATIONS * wind_deviations[AIRSPEED]

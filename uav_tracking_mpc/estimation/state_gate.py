@@ -29,7 +29,9 @@ SPEED_LIMIT = 500.0  # m/s over ground; a faster change of position is a jump
 FASTER = 2.0  # -, times the ground velocity before a gap, that explain a jump after it
 JUMP_MIN = 50.0  # m; a smaller change of position is never a jump
 NOISE_MULTIPLE = 6.0  # -, standard deviations of a position that are no jump and no climb either
-REPEATING = 0.5  # s after which a state that repeats itself, though the aircraft moves, is none
+# s after which a state that repeats itself, though the aircraft moves, is none; and in which the
+# same position of a target that moves is an old one, sent again
+REPEATING = 0.5
 AGES = 20  # states in a row, of which the one that was the least old tells how the clocks differ
 AGREEING = 3  # outliers in a row, each consistent with the one before, that are a fact
 

@@ -35,14 +35,13 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
 from uav_tracking_mpc.estimation.singer_motion import bridged
+from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
 from uav_tracking_mpc.estimation.target_track import Motion, TargetTrack
 from uav_tracking_mpc.estimation.turn_prediction import predict_turn
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
 RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be fast, not noisy
-JUMP = 3  # positions left out in a row that agree: the target is there
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
-REPEATED = 0.5  # s in which the same position of a target that moves is an old one, sent again
 REWIND = 1.0  # s before the newest position for which an estimate is given
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
@@ -168,7 +167,7 @@ class TargetFilter:
             return True
         if self._rival is None or not self._rival.update(*seen):
             self._rival = self._begun(time, measured, motion, RIVAL_SPEED * self._speed)
-        elif self._rival.count == JUMP:
+        elif self._rival.count == AGREEING:
             self._track, self._rival = self._rival, None
             self.jumps += 1
             return True
@@ -177,7 +176,7 @@ class TargetFilter:
 
     def _repeats(self, time: float, position: NDArray[np.float64]) -> bool:
         """Whether an old position comes with a new stamp, as from a tracker that sends it on."""
-        if self._track is None or self._rival is not None or time - self._track.time > REPEATED:
+        if self._track is None or self._rival is not None or time - self._track.time > REPEATING:
             return False
         velocity = self._track.state[1]
         moves = velocity @ velocity > GATE * self._track.covariance[1, 1]

@@ -53,11 +53,10 @@ from uav_tracking_mpc.symbolic.layout import Layout
 
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
-AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
+BIAS = 0.02  # - and rad, of alpha and beta
 # How much what is constant may wander
 WIND_WALK, GROUND_WALK = 0.03, 0.01  # m/s per root of s
-SHARE_WALK = 2e-4  # 1/s^0.5
-HEADING_WALK = 2e-4  # rad per root of s
+BIAS_WALK = 2e-4  # 1 and rad per root of s, of alpha and beta
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
 TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how long it lasts
@@ -109,7 +108,7 @@ def begin_lane(lane: SimpleNamespace) -> None:
         lane: Views by :data:`LANE`, all 0.
     """
     deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
-    prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, AIRSPEED_SHARE, HEADING_BIAS]
+    prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, BIAS, BIAS]
     lane.triangle[DIAGONAL] = np.square(prior)
 
 
@@ -167,7 +166,7 @@ def predicted(
     spread[G] = 0.5 * ca.vertcat(walks[0], walks[0], walks[1]) * times * (1.0 - decay**2)
     spread[W], spread[B] = WIND_WALK**2 * elapsed, GROUND_WALK**2 * elapsed
     spread[T] = TREND**2 * (1.0 - lasts**2)
-    spread[ALPHA], spread[BETA] = SHARE_WALK**2 * elapsed, HEADING_WALK**2 * elapsed
+    spread[ALPHA:] = BIAS_WALK**2 * elapsed
     covariance = ca.triu2symm(ca.SX(ca.Sparsity.upper(SIZE), lane.triangle))
     covariance = transition @ covariance @ transition.T + ca.diag(spread)
     covariance[P, P] += elapsed**2 * (loose @ loose.T)  # where it went in between is a guess too
