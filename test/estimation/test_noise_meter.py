@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.noise_meter import NoiseMeters, Signal
+from uav_tracking_mpc.estimation.noise_meter import NoiseMeters
 
 STEP, COUNT = 0.05, 4000
 
@@ -27,7 +27,7 @@ class NoiseMeter:
     """The meters of one signal, evaluated."""
 
     def __init__(self, deviation, memory, walk=0.0, size=1):
-        self.meters = NoiseMeters([Signal(size, deviation, walk)], memory)
+        self.meters = NoiseMeters([size], [deviation], [walk], memory)
         known, parts = self.meters.layout.symbol("known")
         symbols = [ca.SX.sym(name, count) for name, count in (("dt", 1), ("x", size), ("told", 1))]
         metered = self.meters.metered(parts, *symbols)

@@ -21,19 +21,9 @@ the plan before it until the new one has been sent.
 from __future__ import annotations
 
 from collections import deque
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-
-class _SentPlan(NamedTuple):
-    """A plan under way: see :meth:`CommandHistory.add`."""
-
-    sent: float
-    begin: float
-    inputs: list[list[float]]  # a list's numbers are read ten times as fast as an array's
-    step: float
 
 
 class CommandHistory:
@@ -45,7 +35,9 @@ class CommandHistory:
 
     def __init__(self, memory: float) -> None:
         self.memory = memory
-        self._plans: deque[_SentPlan] = deque()
+        # When each was sent and begins, its inputs and its step. The numbers of a list are read ten
+        # times as fast as those of an array.
+        self._plans: deque[tuple[float, float, list[list[float]], float]] = deque()
 
     def reset(self) -> None:
         """Forget every command."""
@@ -60,10 +52,10 @@ class CommandHistory:
             inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
             step: Length of a segment in [s].
         """
-        while self._plans and self._plans[-1].sent > sent:
+        while self._plans and self._plans[-1][0] > sent:
             self._plans.pop()  # never flown: a clock that stood ahead has gone back
-        self._plans.append(_SentPlan(sent, begin, inputs.tolist(), step))
-        while len(self._plans) > 1 and self._plans[1].sent <= sent - self.memory:
+        self._plans.append((sent, begin, inputs.tolist(), step))
+        while len(self._plans) > 1 and self._plans[1][0] <= sent - self.memory:
             self._plans.popleft()
 
     def demanded(self, time: float, axis: int) -> float:
@@ -78,8 +70,7 @@ class CommandHistory:
         Returns:
             In [rad/s] or [m/s^2].
         """
-        for plan in reversed(self._plans):
-            if plan.sent <= time:
-                segment = min(int((time - plan.begin) / plan.step), len(plan.inputs) - 1)
-                return plan.inputs[segment][axis]
+        for sent, begin, inputs, step in reversed(self._plans):
+            if sent <= time:
+                return inputs[min(int((time - begin) / step), len(inputs) - 1)][axis]
         return 0.0

@@ -29,7 +29,6 @@ much as it was right before.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from types import SimpleNamespace
 
 import casadi as ca
@@ -44,22 +43,6 @@ MEASURED_TIME = 2.0  # s of samples after which the noise that is measured count
 LONGEST_GAP = 1.0  # s between samples beyond which a signal begins anew
 
 
-@dataclass(frozen=True)
-class Signal:
-    """A signal with equal noise on each of its components.
-
-    Attributes:
-        size: How many components.
-        deviation: Standard deviation of the noise that is taken before anything is known, in the
-            signal's unit [SI].
-        walk: q that is taken before anything is known, in the square of the unit [SI] per s.
-    """
-
-    size: int
-    deviation: float
-    walk: float = 0.0
-
-
 class NoiseMeters:
     """White noise and random walk of signals that are sampled together, averaged over time.
 
@@ -69,16 +52,25 @@ class NoiseMeters:
     variances that hold, and ages [s] and values of the latest samples.
 
     Args:
-        signals: What is sampled.
+        sizes: How many components each signal has, with equal noise.
+        deviations: Standard deviations of the noise that are taken before anything is known, in
+            the signals' units [SI].
+        walks: q likewise, in the square of the unit [SI] per s.
         memory: Time constant of the averages in [s].
 
     Attributes:
         layout: Names of what is known.
     """
 
-    def __init__(self, signals: Sequence[Signal], memory: float = MEMORY) -> None:
-        self._signals, self._memory, count = tuple(signals), memory, len(signals)
-        self._width = sum(signal.size for signal in signals)
+    def __init__(
+        self,
+        sizes: Sequence[int],
+        deviations: Sequence[float],
+        walks: Sequence[float],
+        memory: float = MEMORY,
+    ) -> None:
+        self._sizes, self._prior, self._memory = sizes, (deviations, walks), memory
+        self._width, count = sum(sizes), len(sizes)
         times = dict.fromkeys(("count", "weight", "short_time", "long_time"), 1)
         values = dict.fromkeys(("short", "long", "average", "before", "held"), count)
         samples = {"ages": SAMPLES, "samples": SAMPLES * self._width}
@@ -90,11 +82,11 @@ class NoiseMeters:
         Args:
             known: Views by :attr:`layout`, all 0.
         """
-        variances = np.square([signal.deviation for signal in self._signals])
+        deviations, walks = self._prior
         known.weight[:], known.long_time[:] = PRIOR_TIME, 1.0
-        known.short[:] = 2.0 * variances
-        known.long[:] = known.short + [signal.walk for signal in self._signals]
-        known.held[:] = variances
+        known.held[:] = np.square(deviations)
+        known.short[:] = 2.0 * known.held
+        known.long[:] = known.short + walks
 
     def metered(
         self, known: SimpleNamespace, elapsed: ca.SX, sample: ca.SX, told: ca.SX
@@ -152,8 +144,7 @@ class NoiseMeters:
 
     def _mean_squares(self, difference: ca.SX) -> ca.SX:
         """Of the components of each signal."""
-        sizes = [signal.size for signal in self._signals]
-        pieces = ca.vertsplit(difference, np.cumsum([0, *sizes]).tolist())
+        pieces = ca.vertsplit(difference, np.cumsum([0, *self._sizes]).tolist())
         return ca.vertcat(*[ca.sumsqr(piece) / piece.numel() for piece in pieces])
 
 

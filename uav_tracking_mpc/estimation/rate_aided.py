@@ -29,7 +29,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.noise_meter import NoiseMeters, Signal
+from uav_tracking_mpc.estimation.noise_meter import NoiseMeters
 from uav_tracking_mpc.symbolic.layout import Layout
 
 # Of heading and path angle, whose rates are measured, and airspeed, whose rate is that of the
@@ -43,7 +43,7 @@ BIAS_WALK = 1e-3  # of the bias, variance per s as a share of that of the rate's
 # rad^2/s^3 of a rate that nobody tells, and so is exactly 0: it is what the bias is then for
 UNTOLD_WALK = np.array([0.001, 0.001, 0.0])
 DEVIATIONS = 3.0  # -, standard deviations of an innovation, that tells of the bias
-METERS = NoiseMeters([Signal(1, noise) for noise in LEAST_NOISE])
+METERS = NoiseMeters((1, 1, 1), LEAST_NOISE.tolist(), (0.0, 0.0, 0.0))
 RATE_AIDED = Layout(
     value=3, bias=3, rate=3, integral=3, xx=3, xb=3, bb=3, meters=METERS.layout
 )  # fmt: skip

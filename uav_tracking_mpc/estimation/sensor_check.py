@@ -318,9 +318,8 @@ def air_checked(
         ca.norm_2(explained - recent),
     )
     for name, value in vars(after).items():
-        before = getattr(known, name)
-        of_each = [known_winds[k * 2 // value.numel()] for k in range(value.numel())]
-        setattr(known, name, ca.if_else(ca.vertcat(*of_each), value, before))
+        judged = _of_residuals(known_winds) if value.numel() == 4 else known_winds
+        setattr(known, name, ca.if_else(judged, value, getattr(known, name)))
     known.weight = ca.if_else(known_winds, after.weight, 0.0)
     known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
     known.explained = ca.if_else(compared[AIRSPEED], followed, explained)

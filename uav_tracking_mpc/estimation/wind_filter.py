@@ -48,7 +48,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.noise_meter import NoiseMeters, Signal
+from uav_tracking_mpc.estimation.noise_meter import NoiseMeters
 from uav_tracking_mpc.symbolic.layout import Layout
 
 # Standard deviations before anything is measured
@@ -75,12 +75,9 @@ LANE = Layout(air=3, steady=3, turn_rate=1, state=SIZE, triangle=SIZE * (SIZE + 
 _ROWS, _COLUMNS = (index.T[np.tril_indices(SIZE)] for index in np.indices((SIZE, SIZE)))
 DIAGONAL = np.flatnonzero(_ROWS == _COLUMNS)
 _OF_POSITION = np.flatnonzero(P.stop > _ROWS)
+# Of the level wind triangle, the vertical one, and the position.
 METERS = NoiseMeters(
-    [
-        Signal(2, VELOCITY_NOISE, GUST_WALK),  # level wind triangle
-        Signal(1, VELOCITY_NOISE, GUST_WALK),  # vertical one
-        Signal(3, POSITION_NOISE),
-    ]
+    (2, 1, 3), (VELOCITY_NOISE, VELOCITY_NOISE, POSITION_NOISE), (GUST_WALK, GUST_WALK, 0.0)
 )
 POSITION = 2  # of these signals
 
@@ -94,7 +91,7 @@ SHAKES, LASTS = 0.60, 0.70  # -, correlation of the quick part at which none of 
 BY_SENSORS = (
     0.5  # -, share of it that heading and airspeed shake themselves, at which all of it counts
 )
-QUICK = Layout(slow=3, averaged=3, squares=2, products=2, by_sensors=2)
+QUICK = Layout(slow=3, averaged=3, means=6)
 
 # What positions alone tell of the ground velocity: up to which frequency, and how exactly
 FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
@@ -206,15 +203,12 @@ def lasting_gust(
     quick = gust - slow
     averaged = known.averaged + (1.0 - ca.exp(-elapsed / QUICK_TIME)) * (quick - known.averaged)
     share, floor = elapsed / MEMORY_TIME, LEAST_QUICK**2
-    squares = known.squares + share * (seen(quick, quick) - known.squares)
-    products = known.products + share * (seen(quick, averaged) - known.products)
-    erring = seen(quick, lane.steady - lane.air)
-    by_sensors = known.by_sensors + share * (erring - known.by_sensors)
+    now = [seen(quick, each) for each in (quick, averaged, lane.steady - lane.air)]
+    means = known.means + share * (ca.vertcat(*now) - known.means)
+    squares, products, by_sensors = ca.vertsplit(means, 2)
     counts = _between((products + floor) / (squares + floor), SHAKES, LASTS)
     counts = ca.fmax(counts, _between(by_sensors / (squares + floor), 0.0, BY_SENSORS))
-    after = SimpleNamespace(
-        slow=slow, averaged=averaged, squares=squares, products=products, by_sensors=by_sensors
-    )
+    after = SimpleNamespace(slow=slow, averaged=averaged, means=means)
     return after, slow + ca.vertcat(counts[0], counts[0], counts[1]) * quick
 
 
