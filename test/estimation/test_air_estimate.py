@@ -46,7 +46,7 @@ class AirFilter(AirEstimate):
         )  # fmt: skip
         rates = np.array([turn, 0.0, 0.0])
         state = measurement.state(speed)
-        self.found = self.update(measurement, state, rates, 0.0, False)
+        self.update(measurement, state, rates, 0.0, False)
 
 
 def flown(
@@ -76,11 +76,11 @@ def flown(
 
 def test_in_steady_wind_everything_else_is_nothing():
     filter_, _ = flown(60.0)
-    np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=5e-3)
-    np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.1)
-    np.testing.assert_allclose(filter_.ground_velocity_bias, 0.0, atol=1e-2)
-    assert abs(filter_.airspeed_share) < 1e-3
-    assert abs(filter_.heading_bias) < 1e-3
+    np.testing.assert_allclose(filter_.state.wind + filter_.state.gust, [3.0, -5.0, 0.2], atol=5e-3)
+    np.testing.assert_allclose(filter_.state.wind, [3.0, -5.0, 0.2], atol=0.1)
+    np.testing.assert_allclose(filter_.state.bias, 0.0, atol=1e-2)
+    assert abs(filter_.state.alpha[0]) < 1e-3
+    assert abs(filter_.state.beta[0]) < 1e-3
 
 
 def test_on_a_straight_way_the_wind_ahead_stays_unknown_without_the_airspeed():
@@ -89,23 +89,23 @@ def test_on_a_straight_way_the_wind_ahead_stays_unknown_without_the_airspeed():
     for k in range(round(600.0 / STEP)):
         filter_.see(k * STEP, k * STEP * (along + wind), along + wind, along)
         assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.1)
-    _, known = filter_.wind_without_airspeed
+    known = filter_.found.known[0]
     assert not known
     assert filter_.health.states["airspeed"] == "used"
 
 
 def test_a_bias_of_the_ground_velocity_shows_beside_the_positions():
     filter_, _ = flown(20.0, bias=(2.0, -1.0, 0.5))
-    np.testing.assert_allclose(filter_.ground_velocity_bias, [2.0, -1.0, 0.5], atol=0.05)
-    np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.05)
+    np.testing.assert_allclose(filter_.state.bias, [2.0, -1.0, 0.5], atol=0.05)
+    np.testing.assert_allclose(filter_.state.wind + filter_.state.gust, [3.0, -5.0, 0.2], atol=0.05)
 
 
 @pytest.mark.parametrize(("share", "heading"), [(0.09, 0.0), (0.0, 0.087), (-0.05, -0.05)])
 def test_biases_of_airspeed_and_heading_show_while_the_aircraft_turns(share, heading):
     filter_, _ = flown(200.0, share=share, heading=heading)
-    assert filter_.airspeed_share == pytest.approx(share, abs=0.01)
-    assert filter_.heading_bias == pytest.approx(heading, abs=0.01)
-    np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.3)
+    assert filter_.state.alpha[0] == pytest.approx(share, abs=0.01)
+    assert filter_.state.beta[0] == pytest.approx(heading, abs=0.01)
+    np.testing.assert_allclose(filter_.state.wind, [3.0, -5.0, 0.2], atol=0.3)
 
 
 def test_gusts_that_the_airspeed_shows_are_no_bias_of_it():
@@ -118,13 +118,13 @@ def test_gusts_that_the_airspeed_shows_are_no_bias_of_it():
         gust += -STEP / 12.0 * gust + np.sqrt(STEP) * random.standard_normal(3)
         filter_.see(k * STEP, position, ground, ground - gust)
         position = position + STEP * ground
-    assert abs(filter_.airspeed_share) < 0.1
-    assert abs(filter_.heading_bias) < 0.1
+    assert abs(filter_.state.alpha[0]) < 0.1
+    assert abs(filter_.state.beta[0]) < 0.1
 
 
 def test_noise_of_the_ground_velocity_is_smoothed_and_its_size_seen():
     filter_, position = flown(100.0, noise=0.3)
-    np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.2)
+    np.testing.assert_allclose(filter_.state.wind + filter_.state.gust, [3.0, -5.0, 0.2], atol=0.2)
     assert (
         np.linalg.norm(filter_.found.vehicle[:3] - position) < 1.2
     )  # of the newest, a step before
@@ -142,7 +142,7 @@ def test_after_a_gap_the_position_begins_anew_and_the_wind_is_kept():
     filter_.see(70.0, np.array([5e3, 0.0, 100.0]), np.array([25.0, -5.0, 0.2]),
                    np.array([22.0, 0.0, 0.0]))  # fmt: skip
     assert filter_.found.vehicle[:3][0] == pytest.approx(5e3, abs=1.0)
-    np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.2)
+    np.testing.assert_allclose(filter_.state.wind, [3.0, -5.0, 0.2], atol=0.2)
 
 
 def test_what_slips_while_it_rolls_is_taken_for_no_bias():
@@ -158,15 +158,15 @@ def test_what_slips_while_it_rolls_is_taken_for_no_bias():
         seen = 22.0 * np.array([math.cos(heading + slip), math.sin(heading + slip), 0.0])
         position = position + 0.02 * (air + wind)
         found.see(time, position, air + wind, seen)
-    assert abs(found.airspeed_share) < 0.02
-    assert abs(found.heading_bias) < 0.02
-    np.testing.assert_allclose(found.mean_wind + found.gust, wind, atol=1.0)
+    assert abs(found.state.alpha[0]) < 0.02
+    assert abs(found.state.beta[0]) < 0.02
+    np.testing.assert_allclose(found.state.wind + found.state.gust, wind, atol=1.0)
 
 
 def test_noise_of_the_position_does_not_become_wind():
     def error(told):
         found, _ = flown(3.0, position_noise=(3.0, 3.0, 6.0), noise=0.3, told=told)
-        return np.linalg.norm(found.mean_wind + found.gust - [3.0, -5.0, 0.2])
+        return np.linalg.norm(found.state.wind + found.state.gust - [3.0, -5.0, 0.2])
 
     assert error(True) < 1.5
     assert error(False) < 1.5  # positions that scatter wide are left out until it is measured
@@ -208,7 +208,7 @@ def test_a_velocity_of_the_wrong_sign_is_not_the_wind(gap):
         if not begin - gap <= time < begin:
             filter_.see(time, position, ground, air)
             if time > 10.0:
-                np.testing.assert_allclose(filter_.mean_wind + filter_.gust, wind, atol=0.3)
+                np.testing.assert_allclose(filter_.state.wind + filter_.state.gust, wind, atol=0.3)
                 np.testing.assert_allclose(filter_.found.vehicle[:3], position, atol=0.3)
         middle = psi + 0.5 * TURN * STEP
         position = position + STEP * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
@@ -225,7 +225,7 @@ def test_a_wind_that_turns_at_once_is_believed_after_a_second():
         filter_.see(time, position, air + wind, air)
         position = position + STEP * (air + wind)
         if time > 33.0:
-            np.testing.assert_allclose(filter_.mean_wind + filter_.gust, after, atol=0.5)
+            np.testing.assert_allclose(filter_.state.wind + filter_.state.gust, after, atol=0.5)
 
 
 def covariance(lane):
@@ -285,7 +285,7 @@ def test_an_airspeed_that_is_far_off_is_not_used_even_once():
     filter_.see(time, position, SPEED * ahead + [3.0, -5.0, 0.2], 5.0 * ahead)
     assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.2)
     assert filter_.health.states["airspeed"] == "used"
-    np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.2)
+    np.testing.assert_allclose(filter_.state.wind + filter_.state.gust, [3.0, -5.0, 0.2], atol=0.2)
 
 
 def test_a_wind_without_heading_is_as_sure_as_it_says_after_a_straight_flight():

@@ -55,7 +55,18 @@ from uav_tracking_mpc.estimation.sensor_health import (
     USED,
     SensorHealth,
 )
-from uav_tracking_mpc.estimation.wind_filter import ALPHA, BETA, DIAGONAL, LANE, B, G, P, T, W
+from uav_tracking_mpc.estimation.wind_filter import (
+    ALPHA,
+    BETA,
+    DIAGONAL,
+    LANE,
+    STATE,
+    B,
+    G,
+    P,
+    T,
+    W,
+)
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
 from uav_tracking_mpc.symbolic.layout import Layout
 
@@ -88,10 +99,13 @@ MEMORY = Layout(
 )
 # (x, y, z, psi, chi, v) through the air; (psi', chi', v'); mean wind [m/s] and how it changes
 # [m/s^2], the gust that lasts [m/s] and how long gusts last on each axis [s], intensity of level
-# gusts [m^2/s^3]. The rest is for what is done about sensors.
+# gusts [m^2/s^3]. State of each sensor, whether the heading has jumped, and the air changed; the
+# mean wind without the airspeed [m/s], whether it is known, the standard deviation of what ground
+# velocity and wind tell of the airspeed [m/s]; and by how much an airspeed that is still used may
+# be too high, and too low [m/s].
 FOUND = Layout(
     vehicle=6, rates=3, wind=3, trend=3, gust=3, times=3, walk=1,
-    states=4, snapped=1, changed=1, without=3, known=1, deviation=1,
+    states=4, snapped=1, changed=1, without=3, known=1, deviation=1, doubts=2,
 )  # fmt: skip
 
 
@@ -100,6 +114,7 @@ class AirEstimate:
 
     Attributes:
         health: Of all sensors.
+        found: Aircraft and air as they are known, by :data:`FOUND`; overwritten by each update.
     """
 
     def __init__(self) -> None:
@@ -107,12 +122,12 @@ class AirEstimate:
         self._memory, self._told = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(self._told)
         self._step = BufferedFunction(_step(), [self._memory, self._told])
-        self._found = FOUND.parts(self._step.results[1])
+        self.found = FOUND.parts(self._step.results[1])
         self.reset()
 
     def reset(self) -> None:
         """Forget the air and believe every sensor."""
-        self._memory[:] = 0.0
+        self._memory[:] = self._step.results[1][:] = 0.0
         self._begin_filters()
         rate_aided.begin(self._known.aided)
         sensor_check.begin_air_check(self._known.air)
@@ -126,49 +141,13 @@ class AirEstimate:
         for lane in LANES:
             wind_filter.begin_lane(getattr(self._known, lane))
         wind_filter.METERS.begin(self._known.meters)
-        self._found.without[:] = self._found.known[:] = 0.0
+        self.found.without[:] = self.found.known[:] = 0.0
         self._time: float | None = None
 
     @property
-    def wind_without_airspeed(self) -> tuple[NDArray[np.float64], bool]:
-        """Mean wind without the airspeed, shape (3,), in [m/s]; whether it is known."""
-        return self._found.without.copy(), bool(self._found.known[0])
-
-    @property
-    def deviation_without_airspeed(self) -> float:
-        """Standard deviation of what ground velocity and wind tell of the airspeed, in [m/s]."""
-        return float(self._found.deviation[0])
-
-    @property
-    def airspeed_doubts(self) -> tuple[float, float]:
-        """By how much an airspeed that is still used may be too high, and too low, in [m/s]."""
-        high, low = self._known.air.doubts.tolist()
-        return high, low
-
-    @property
-    def mean_wind(self) -> NDArray[np.float64]:
-        """w, shape (3,), in [m/s]."""
-        return self._known.main.state[W].copy()
-
-    @property
-    def gust(self) -> NDArray[np.float64]:
-        """G at the newest measurement, shape (3,), in [m/s]."""
-        return self._known.main.state[G].copy()
-
-    @property
-    def ground_velocity_bias(self) -> NDArray[np.float64]:
-        """b, shape (3,), in [m/s]."""
-        return self._known.main.state[B].copy()
-
-    @property
-    def airspeed_share(self) -> float:
-        """alpha, [-]."""
-        return float(self._known.main.state[ALPHA])
-
-    @property
-    def heading_bias(self) -> float:
-        """Beta in [rad]."""
-        return float(self._known.main.state[BETA])
+    def state(self) -> SimpleNamespace:
+        """State of the filter that is flown by, by :data:`STATE`."""
+        return STATE.parts(self._known.main.state)
 
     def update(
         self,
@@ -248,15 +227,15 @@ class AirEstimate:
 
     def _taken(self) -> SimpleNamespace:
         """What has been found; a filter goes on from the one that no wrong sensor has come into."""
-        states = [STATES[int(code)] for code in self._found.states]
+        states = [STATES[int(code)] for code in self.found.states]
         for state, before, lane in zip(states, self._states, LANES[1:], strict=False):
             if state != before and state not in (USED, SILENT):
                 MEMORY.part("main", self._memory)[:] = MEMORY.part(lane, self._memory)
         self._states = states
         self.health.states.update(zip(SENSORS, states, strict=True))
-        if self._found.snapped[0]:
+        if self.found.snapped[0]:
             self.health.states[HEADING] = JUMPED
-        if self._found.changed[0]:
+        if self.found.changed[0]:
             self._begin_filters()
         return FOUND.parts(self._step.results[1].copy())
 
@@ -412,6 +391,7 @@ def _step() -> ca.Function:
         known=ca.mmax(blind.triangle[LEVEL_WIND]) <= sensor_check.WIND_KNOWN**2,
         deviation=ca.sqrt(ca.fmax(unknown, 0.0)),
         walk=walks[0],
+        doubts=air.doubts,
     )
     results = [MEMORY.joined(remembered), FOUND.joined(found)]
     return ca.Function("air_estimate", [memory, measured], results)

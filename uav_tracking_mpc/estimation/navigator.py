@@ -171,8 +171,9 @@ class Navigator:
         if not self._estimating:
             return 0.0, sure
         if self.airspeed_known:
-            return 0.0, self.air_estimate.airspeed_doubts
-        return self.air_estimate.deviation_without_airspeed, sure
+            high, low = self.air_estimate.found.doubts.tolist()
+            return 0.0, (high, low)
+        return float(self.air_estimate.found.deviation[0]), sure
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
@@ -286,7 +287,7 @@ class Navigator:
             air = self.air
             known = measurement, vehicle, rates, ground, air.missing, air.nose, air.stuck
             found = self.air_estimate.update(*known)
-            self.air.wind, self.air.wind_known = self.air_estimate.wind_without_airspeed
+            self.air.wind, self.air.wind_known = found.without, bool(found.known[0])
             states = self.air_estimate.health.states
             self.air.failed = states[AIRSPEED] not in (USED, SILENT)
             self.air.velocity_failed = states[VELOCITY] != USED

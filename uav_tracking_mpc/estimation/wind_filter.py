@@ -69,6 +69,7 @@ STEADY_SHARE = 0.1  # -, of the airspeed, that the air velocity may be apart fro
 P, W, G, B = (slice(3 * k, 3 * k + 3) for k in range(4))
 T = slice(12, 14)
 ALPHA, BETA, SIZE = 14, 15, 16  # -, index of both, and how many states
+STATE = Layout(position=3, wind=3, gust=3, bias=3, trend=2, alpha=1, beta=1)  # the same by names
 # What one filter knows: air velocity before, its average, turn rate of that, the state
 # (p, w, g, b, t, alpha, beta), and the upper triangle of its covariance by columns.
 LANE = Layout(air=3, steady=3, turn_rate=1, state=SIZE, triangle=SIZE * (SIZE + 1) // 2)

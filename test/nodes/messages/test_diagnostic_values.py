@@ -52,11 +52,11 @@ def test_every_value_has_its_unit_and_is_the_filters():
     values = air_values(air)
     assert all(key.endswith(("]", " sensor")) for key in values)
     assert values["airspeed sensor"] == "used"
-    assert values["mean wind north [m/s]"] == air.mean_wind[1]
-    assert values["gust up [m/s]"] == air.gust[2]
-    assert values["bias of ground velocity east [m/s]"] == air.ground_velocity_bias[0]
-    assert values["airspeed reads too much by [%]"] == pytest.approx(100.0 * air.airspeed_share)
-    assert values["bias of heading [deg]"] == pytest.approx(np.degrees(air.heading_bias))
+    assert values["mean wind north [m/s]"] == air.state.wind[1]
+    assert values["gust up [m/s]"] == air.state.gust[2]
+    assert values["bias of ground velocity east [m/s]"] == air.state.bias[0]
+    assert values["airspeed reads too much by [%]"] == pytest.approx(100.0 * air.state.alpha[0])
+    assert values["bias of heading [deg]"] == pytest.approx(np.degrees(air.state.beta[0]))
 
 
 def test_estimates_with_deviations_and_what_is_flown_by():

@@ -87,19 +87,16 @@ def air_values(air: AirEstimate) -> dict[str, object]:
     Args:
         air: What is known of them.
     """
-    vectors = {
-        "mean wind": air.mean_wind,
-        "gust": air.gust,
-        "bias of ground velocity": air.ground_velocity_bias,
-    }
+    state = air.state
+    vectors = {"mean wind": state.wind, "gust": state.gust, "bias of ground velocity": state.bias}
     return {
         **{
             f"{name} {axis} [m/s]": value
             for name, vector in vectors.items()
             for axis, value in zip(AXES, vector.tolist(), strict=True)
         },
-        "airspeed reads too much by [%]": 100.0 * air.airspeed_share,
-        "bias of heading [deg]": math.degrees(air.heading_bias),
+        "airspeed reads too much by [%]": 100.0 * float(state.alpha[0]),
+        "bias of heading [deg]": math.degrees(state.beta[0]),
         **air.health.values(),
     }
 
