@@ -53,10 +53,10 @@ from uav_tracking_mpc.symbolic.layout import Layout
 
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
-BIAS = 0.02  # - and rad, of alpha and beta
+BIAS = 0.02  # rad, of beta; and -, of alpha
 # How much what is constant may wander
 WIND_WALK, GROUND_WALK = 0.03, 0.01  # m/s per root of s
-BIAS_WALK = 2e-4  # 1 and rad per root of s, of alpha and beta
+BIAS_WALK = 2e-4  # rad per root of s, of beta; of alpha likewise
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
 TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how long it lasts
