@@ -80,7 +80,7 @@ from uav_tracking_mpc.cli.main import COMMANDS
             (["stability", "--config", "small_uav", option], 2, f"{option} is about the ellipsoid")
             for option in ("--design", "--maps", "--figures")
         ),
-        (["view", "none.mcap"], 1, "there is no bag none.mcap"),
+        (["view", "none.mcap"], 2, "there is no bag none.mcap"),
         (["view", "none.mcap", "--set", "nmpc_controller.range=3"], 2, "needs --config"),
         *((["view", "--port", port], 2, "from 0 to 65535") for port in ("-1", "65536", "http")),
         *(

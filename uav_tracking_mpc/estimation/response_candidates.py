@@ -41,10 +41,10 @@ class ResponseCandidates:
     """
 
     def __init__(self) -> None:
-        # By the times at which the inputs changed, the newest last.
-        self._times, self._inputs = np.zeros(CAPACITY), np.zeros((CAPACITY, 3))
-        self._rates = np.zeros((CAPACITY, 3, len(LAGS)))
-        self._gained = np.zeros((CAPACITY, len(LAGS)))
+        # By the times at which the inputs changed; moved to the front when full.
+        size = 2 * CAPACITY
+        self._times, self._inputs = np.zeros(size), np.zeros((size, 3))
+        self._rates, self._gained = np.zeros((size, 3, len(LAGS))), np.zeros((size, len(LAGS)))
         self.reset(0.0, np.zeros(3))
 
     def reset(self, time: float, inputs: NDArray[np.float64]) -> None:
@@ -54,8 +54,9 @@ class ResponseCandidates:
             time: When it begins in [s].
             inputs: (u_psi, u_chi, u_v) flown since long ago, shape (3,).
         """
-        self._times[:], self._inputs[:], self._gained[:] = time, inputs, 0.0
-        self._rates[:] = inputs[:, np.newaxis]
+        self._newest = 0
+        self._times[0], self._inputs[0], self._gained[0] = time, inputs, 0.0
+        self._rates[0] = inputs[:, np.newaxis]
         self._plan, self.end = (time, inputs[np.newaxis], 1.0), time
 
     def commanded(
@@ -72,7 +73,7 @@ class ResponseCandidates:
         self._follow_plan(sent)
         self._plan, self.end = (begin, inputs, step), begin + step * len(inputs)
         segment = min(max(int((sent - begin) / step), 0), len(inputs) - 1)
-        self._change(max(sent, float(self._times[-1])), inputs[segment])
+        self._change(max(sent, float(self._times[self._newest])), inputs[segment])
 
     def at(self, time: float) -> NDArray[np.float64]:
         """Responses at a time: turn rate, path-angle rate, and the airspeed that was gained.
@@ -85,7 +86,8 @@ class ResponseCandidates:
         """
         self._follow_plan(time)
         times = time - DEAD_TIMES
-        piece = np.maximum(self._times.searchsorted(times, side="right") - 1, 0)
+        known = self._times[: self._newest + 1]
+        piece = np.maximum(known.searchsorted(times, side="right") - 1, 0)
         elapsed = np.maximum(times - self._times[piece], 0.0)[:, np.newaxis]
         held = self._inputs[piece].T[:, :, np.newaxis]
         lacking = self._rates[piece].swapaxes(0, 1) - held
@@ -98,26 +100,30 @@ class ResponseCandidates:
 
     def _follow_plan(self, time: float) -> None:
         """The present plan's segments up to a time, which is past the last change."""
-        (begin, inputs, step), last = self._plan, float(self._times[-1])
+        (begin, inputs, step), last = self._plan, float(self._times[self._newest])
         for segment in range(1, len(inputs)):
             if last < begin + segment * step <= time:
                 self._change(begin + segment * step, inputs[segment])
 
     def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
         """Other inputs are flown from a time on, not before the last change."""
-        held, before = self._inputs[-1, :, np.newaxis], self._rates[-1]
+        now = self._newest
+        held, before = self._inputs[now, :, np.newaxis], self._rates[now]
         if (held[:, 0] == inputs).all():
             return
-        elapsed = time - float(self._times[-1])
+        elapsed = time - float(self._times[now])
         after = (before - held) * np.exp(-elapsed * _RATES) + held
         lost = (before[ACCELERATION] - after[ACCELERATION]) / _RATES
-        gained = self._gained[-1] + held[ACCELERATION] * elapsed + lost
+        gained = self._gained[now] + held[ACCELERATION] * elapsed + lost
         changes = (
             (self._times, time),
             (self._inputs, inputs),
             (self._rates, after),
             (self._gained, gained),
         )
+        full = now + 1 == len(self._times)
+        self._newest = CAPACITY if full else now + 1
         for values, newest in changes:
-            values[:-1] = values[1:]
-            values[-1] = newest
+            if full:
+                values[:CAPACITY] = values[CAPACITY:]
+            values[self._newest] = newest

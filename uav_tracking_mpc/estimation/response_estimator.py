@@ -198,9 +198,9 @@ class ResponseEstimator:
         three = slice(best - 1, best + 2)
         lags = LAGS[three]
         lag, least, bend = _minimum(lags, valley[three])
-        delays = _parabola(lags, lags + dead_times[three])
-        gain_there = _parabola(lags, gains[three])
-        delay, gain = float(delays(lag)), float(np.clip(gain_there(lag), *GAIN_LIMITS))
+        delay, delay_slope, _ = _parabola(lags, lags + dead_times[three], lag)
+        gain, gain_slope, _ = _parabola(lags, gains[three], lag)
+        gain = min(max(gain, GAIN_LIMITS[0]), GAIN_LIMITS[1])
         nearest = int(np.argmin(np.abs(DEAD_TIMES - dead_times[best])))
         self._nearest[axis], self._gains[axis] = nearest * len(LAGS) + best, gain
 
@@ -214,9 +214,9 @@ class ResponseEstimator:
         along = math.sqrt(of_lag)
         lag_rounding, delay_rounding, gain_rounding = ROUNDING
         lag_deviation = math.hypot(along, lag_rounding)
-        sway = abs(float(delays.deriv()(lag))) * along
+        sway = abs(delay_slope) * along
         of_dead_time = 2.0 * variance / max(float(bends[best]), 1e-300)
-        gain_sway = abs(float(gain_there.deriv()(lag))) * along
+        gain_sway = abs(gain_slope) * along
         of_gain = variance / max(float(power[nearest, best]), 1e-300)
         return ChannelResponse(
             lag=lag,
@@ -270,14 +270,18 @@ def _minimum(
     points: NDArray[np.float64], values: NDArray[np.float64]
 ) -> tuple[float, float, float]:
     """Of the parabola through three points, inside of them: where, how much, second derivative."""
-    (left, middle, right), parabola = points.tolist(), _parabola(points, values)
-    bend, slope = float(parabola.deriv(2)(middle)), float(parabola.deriv()(middle))
+    left, middle, right = points.tolist()
+    _, slope, bend = _parabola(points, values, middle)
     where = min(max(middle - slope / bend, left), right) if bend > 0.0 else middle
+    there, _, _ = _parabola(points, values, where)
     # At the edge of the grid the cost may bend the other way.
     least = 2.0 * abs(float(values[2] - values[0])) / (right - left) ** 2
-    return where, float(parabola(where)), max(bend, least)
+    return where, there, max(bend, least)
 
 
-def _parabola(points: NDArray[np.float64], values: NDArray[np.float64]) -> np.polynomial.Polynomial:
-    """The parabola through three points."""
-    return np.polynomial.Polynomial(np.linalg.solve(np.vander(points, increasing=True), values))
+def _parabola(
+    points: NDArray[np.float64], values: NDArray[np.float64], where: float
+) -> tuple[float, float, float]:
+    """Value, slope and second derivative at a place of the parabola through three points."""
+    value, slope, bend = np.linalg.solve(np.vander(points - where, increasing=True), values)
+    return float(value), float(slope), 2.0 * float(bend)
