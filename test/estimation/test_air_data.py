@@ -12,6 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import dataclasses
 import math
 from dataclasses import replace
 
@@ -32,6 +33,22 @@ def test_its_own_airspeed_counts_before_the_one_that_came_by_itself():
     *_, heading, path_angle, airspeed = air.see_state(measurement(airspeed=21.0))[1]
     assert (heading, path_angle, airspeed) == (2.0, 0.1, 21.0)
     assert air.see_state(measurement())[1][-1] == 20.0
+
+
+@pytest.mark.parametrize("climb", [0.0, 2.5, -2.5])
+def test_where_height_and_climb_are_stuck_together_the_pitch_tells(climb):
+    """An aircraft with an angle of attack of 0.05 rad, which goes over to a climb after 10 s."""
+    air, named, rng = AirData(0.5), [], np.random.default_rng(1)
+    for time in np.arange(0.0, 30.0, 0.05):
+        climbs = climb if time > 10.0 else 0.0
+        told = [20.0, 0.0, 0.0 if time > 8.0 else rng.normal(0.0, 0.1)]
+        pitch = 0.05 + climbs / 20.0 + rng.normal(0.0, 0.005)
+        seen = Measurement(time, [20.0 * time, 0.0, 100.0], told, 0.0, pitch, bank=1e-3)
+        air.see_state(dataclasses.replace(seen, airspeed=20.0))
+        if air.stuck[1]:
+            named.append(time)
+    assert bool(named) is (climb != 0.0)
+    assert not named or 10.0 < named[0] < 13.0
 
 
 @pytest.mark.parametrize("stamp", [9.4, 10.6])

@@ -117,7 +117,7 @@ class AirData:
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
         self.missing = self.awaited = False
         self._path.reset()
-        self._heading, self._velocity, self._climb = (Repetition() for _ in range(3))
+        self._heading, self._velocity, self._climb, self._level = (Repetition() for _ in range(4))
         self._height = math.nan
         self.stuck = False, False
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
@@ -201,9 +201,12 @@ class AirData:
         missed, noise = height - self._height - elapsed * velocity[2], measurement.noise.position[2]
         missed = 0.0 if math.isnan(missed) else missed
         self._climb.see(velocity[2], elapsed, missed, STUCK_CLIMB + NOISE_MULTIPLE * noise)
+        # Where height and climb are stuck together, the pitch tells.
+        self._level.see(velocity[2], elapsed, elapsed * self._path.climb_missed, STUCK_CLIMB)
         self._height = height
         self._compare_with_course(measurement.heading, velocity[0], velocity[1], elapsed)
-        self.stuck = self._heading.stuck, self._velocity.stuck or self._climb.stuck
+        stuck = self._velocity.stuck or self._climb.stuck or self._level.stuck
+        self.stuck = self._heading.stuck, stuck
 
     def _compare_with_course(
         self, heading: float, east: float, north: float, elapsed: float

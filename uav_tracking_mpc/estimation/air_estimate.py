@@ -214,10 +214,12 @@ class AirEstimate:
     def _begin(self) -> None:
         """Let position and motion begin anew, whatever was known of them."""
         seen, known = self._seen, self._known
+        motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
+        heading, path_angle, airspeed = motion.tolist()
         for name in LANES:
             lane = getattr(known, name)
             wind_filter.begin_position(lane, seen.position, seen.position_noise)
-        motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
+            lane.air[:] = vehicle_model.air_velocity(heading, path_angle, airspeed, np)
         rate_aided.begin_values(known.aided, motion, seen.rates, seen.noise)
         for name in ("velocity", "place", "compass"):
             MEMORY.part(name, self._memory)[:] = 0.0

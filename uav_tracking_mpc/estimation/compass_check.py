@@ -64,8 +64,10 @@ def compass_checked(
     unusual, most = apart - elapsed * known.rate, SNAP_RATE * elapsed
     jumps = ca.logic_or(ca.fabs(unusual) > SNAP + most + SNAP_DEVIATIONS * deviation, stuck)
     known_for = ca.fmin(known.known_for + elapsed, GYRO_TIME)
-    learnt = ca.logic_not(jumps) * ca.fmax(-most, ca.fmin(unusual, most))  # a jump is no bias
-    change = ca.if_else(known_for > 0.0, learnt / known_for, 0.0)
+    # A jump is no bias. What is averaged is kept in bounds, and not what it differs by: else a
+    # first noisy compass would stay in the average for minutes.
+    learnt = ca.fmax(-most, ca.fmin(apart, most)) - elapsed * known.rate
+    change = ca.logic_not(jumps) * ca.if_else(known_for > 0.0, learnt / known_for, 0.0)
     strayed = unusual - elapsed * change
     snapped = alone * ca.remainder(known.snapped + jumps * strayed, math.tau)
     after = SimpleNamespace(

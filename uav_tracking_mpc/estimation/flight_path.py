@@ -162,6 +162,7 @@ class FlightPath:
         climb_frequency: Up to which changes of the climb count, in [rad/s].
         velocity_failed: Whether the ground velocity is known to be wrong, and with it the climb.
         heading_stuck: Whether the heading is: the turn then goes by the bank alone.
+        climb_missed: What was climbed by pitch and steady part besides the measured climb, [m/s].
     """
 
     def __init__(self) -> None:
@@ -175,6 +176,8 @@ class FlightPath:
         self._besides = Followed()  # h [m] less what the pitch makes of it, and c [m/s]
         self.velocity_failed = self.heading_stuck = False
         self._contradiction = self._nose = self._by_pitch = 0.0  # rad^2/s^2, rad, m
+        self._up = self._height = math.nan  # as measured before, in [m/s] and [m]
+        self.climb_missed = 0.0
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
 
@@ -243,6 +246,9 @@ class FlightPath:
         """Climb in [m/s]: as it is measured, or by pitch and height while that is wrong."""
         up, height = float(measurement.ground_velocity[2]), float(measurement.position[2])
         besides, moved = self._besides, min(step, LONGEST_STEP)
+        # What repeats itself tells nothing: a height that is stuck would hold the climb at 0.
+        again, self._up = up == self._up, up
+        height, self._height = math.nan if height == self._height else height, height
         self._by_pitch += moved * by_pitch
         if self.velocity_failed and step <= LONGEST_STEP and not math.isnan(height):
             besides.see(moved, height - self._by_pitch, STEADY_CLIMB)
@@ -251,8 +257,10 @@ class FlightPath:
             besides.value = carried if math.isnan(height) else height - self._by_pitch
         if self.velocity_failed:
             return by_pitch + besides.rate
-        share = 1.0 - math.exp(-STEADY_CLIMB * step) if step <= LONGEST_STEP else 1.0
-        besides.rate += share * (up - by_pitch - besides.rate)
+        self.climb_missed = by_pitch + besides.rate - up
+        if not again:
+            share = 1.0 - math.exp(-STEADY_CLIMB * step) if step <= LONGEST_STEP else 1.0
+            besides.rate -= share * self.climb_missed
         return up
 
 

@@ -160,6 +160,7 @@ def velocity_checked(
     full = fresh * (time >= WINDOW)
     flown = position - known.begin
     difference = flown - way
+    difference[2] *= flown[2] != 0.0  # a height that stays the same is judged by itself
     error, error_before = ca.norm_2(difference), ca.norm_2(known.error)
     changed = full * far * known.odd * (error < ca.norm_2(flown - by_expected))
     limit = CONTRARY * time + NOISE_MULTIPLE * noise
@@ -391,15 +392,15 @@ def _compared(
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
-    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + own)
+    rough = ca.if_else(fresh, 0.0, known.rough + own)
+    smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
+    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + smooth)
     high_low = ca.vertcat(1.0, -1.0)
     doubts = ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT
     doubts *= weight[AIRSPEED] >= PRIOR_TIME + LASTING
     # It goes once the residual has gone: what has changed fades, and gusts may hide it for a while.
     fading = ca.fmax(high_low * lasting[AIRSPEED], known.doubts * (1.0 - elapsed / LASTING))
     doubts = ca.fmax(doubts, ca.fmin(known.doubts, fading))
-    rough = ca.if_else(fresh, 0.0, known.rough + own)
-    smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
     owned = (1.0 - elapsed / CHANGE_TIME) * (ca.if_else(fresh, 0.0, known.own) + smooth)
 
     # In turbulence a wind that is not well known goes quickly elsewhere; and a heading is judged by

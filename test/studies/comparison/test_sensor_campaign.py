@@ -23,7 +23,7 @@ import numpy as np
 import pytest
 from sensor_flights import FAULTS, judged
 
-from uav_tracking_mpc import load_configuration
+from uav_tracking_mpc import load_configuration, simulate
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.navigator import Navigator
@@ -221,6 +221,20 @@ def test_a_height_that_is_stuck_is_carried_on_by_the_velocity(plant):
     log = flown_two_minutes(plant, "position_fault=level", *gusts)
     assert np.abs(log.vehicle[log.time > 60.0, 2] - 120.0).max() < 6.0
     assert {each.sensor for each in log.sensors} <= {"position"}
+
+
+@pytest.mark.parametrize("altitude", [150.0, 280.0])
+def test_a_height_that_is_stuck_contradicts_no_climb(altitude):
+    """It was the ground velocity that was blamed for it, and the commands ended."""
+    settings = ["uav_simulator.initial_position=[591.6,0.0,220.0]", "nmpc_controller.altitude=220"]
+    changes = (
+        (60.0, "uav_simulator.position_fault=level"),
+        (65.0, f"nmpc_controller.altitude={altitude}"),
+    )
+    flight = load_configuration("small_uav", [*settings, "mission.duration=120"], "crosswind")
+    log = simulate(dataclasses.replace(flight, changes=changes))
+    assert np.abs(log.vehicle[log.time > 100.0, 2] - altitude).max() < 5.0
+    assert [(each.sensor, each.state) for each in log.sensors] == [("position", "stuck")]
 
 
 def climbing(share):
