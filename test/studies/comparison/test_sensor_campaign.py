@@ -227,6 +227,7 @@ def test_a_height_that_is_stuck_is_carried_on_by_the_velocity(plant):
 def test_a_height_that_is_stuck_contradicts_no_climb(altitude):
     """It was the ground velocity that was blamed for it, and the commands ended."""
     settings = ["uav_simulator.initial_position=[591.6,0.0,220.0]", "nmpc_controller.altitude=220"]
+    settings += ["nmpc_controller.range=400.0"]
     changes = (
         (60.0, "uav_simulator.position_fault=level"),
         (65.0, f"nmpc_controller.altitude={altitude}"),
