@@ -28,7 +28,7 @@ from uav_tracking_mpc.cli.options import (
 )
 from uav_tracking_mpc.cli.program import publish
 
-HELP = "the controller beside classical laws: in wind, about moving targets, told wrong"
+HELP = "the controller beside classical laws: in wind, about moving targets, with wrong settings"
 DESCRIPTION = (
     "Fly all laws through all scenarios, or with --mismatch where lag, delay, noise, biases or air "
     "are other than the controller was told; print and plot how they do. Exit code 0: flown; "
@@ -64,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         choices=MISMATCHES,
         metavar="NAME",
-        help=f"instead: the scenario {SCENARIO} for {DURATION:g} s, told wrong; some of "
+        help=f"instead: the scenario {SCENARIO} for {DURATION:g} s, each with one thing other than told; some of "
         f"{', '.join(MISMATCHES)} (without a name: all)",
     )
     parser.add_argument(

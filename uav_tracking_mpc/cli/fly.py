@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 HELP = "fly a mission with real ROS 2 nodes, record and report"
 DESCRIPTION = (
     "Start simulator, target and controller as processes, fly a mission and report it. With --link "
-    "a real autopilot flies in the simulator's place: it is looked at first (see `link check`), "
+    "a real autopilot flies in the simulator's place: it is inspected first (see `link check`), "
     "its limits become the controller's, and the duration counts from when it is engaged. Nothing "
     "here arms it or takes off. Exit code 0: range, altitude, speed and bearing came to stay "
     "within 1 m, 1 m, 0.1 m/s and 0.05 rad of the orbit asked for, and as much further as gusts "

@@ -169,7 +169,7 @@ class ControllerReport:
         self._node.get_logger().info(
             f"orbit of {orbit.range:g} m at {orbit.altitude:g} m and {orbit.speed:g} m/s, "
             f"{parameters.direction}, {parameters.model} model, N = {parameters.horizon}; "
-            f"terminal set {claims.claim.status}: {claims.claim.reason}"
+            f"terminal set: {claims.claim.reason}"
         )
 
     def changed(self, parameters: TrackingParameters) -> None:
