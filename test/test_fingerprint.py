@@ -32,7 +32,8 @@ def test_values_arrays_and_objects_count():
     history.add(0.0, 0.0, np.zeros((1, 3)), 1.0)
     added = fingerprint([history, filtered, 1])
     assert added != before
-    history._plans[0].inputs[0][2] = 1e-300
+    *_, inputs, _ = history._plans[0]
+    inputs[0][2] = 1e-300
     assert fingerprint([history, filtered, 1]) != added
     filtered.update(0.0, [1.0, 2.0, 3.0])
     assert fingerprint([filtered]) != fingerprint([TargetFilter(0.1, 0.5)])
