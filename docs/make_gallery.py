@@ -53,7 +53,7 @@ AT = 32.0  # s, at which stills are taken
 SHOTS = 12  # at most, until two are the same
 # The page says so where it is drawn without a graphics card.
 QUIET = ".mantine-Notification-root { display: none !important; }"
-COLOURS = 128  # of a still: it stays small
+COLOURS = 256  # of a still: it stays small
 
 
 class Gallery:
@@ -144,7 +144,7 @@ def save_still(picture: Image.Image, name: str) -> None:
         picture: What is seen.
         name: Of its file.
     """
-    few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
     few.save(FOLDER / name, optimize=True)
 
 
