@@ -64,7 +64,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         choices=MISMATCHES,
         metavar="NAME",
-        help=f"instead: the scenario {SCENARIO} for {DURATION:g} s, each with one thing other than told; some of "
+        help=f"instead: the scenario {SCENARIO} for {DURATION:g} s, each time with one thing other "
+        "than told; some of "
         f"{', '.join(MISMATCHES)} (without a name: all)",
     )
     parser.add_argument(

@@ -298,10 +298,8 @@ class Navigator:
         if not measurement.placed:
             raise ValueError("no position is measured")
         wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
-        no, ever = np.zeros(3), np.ones(3)
-        return SimpleNamespace(
-            vehicle=vehicle, rates=rates, wind=wind, trend=no, gust=no, times=ever, walk=[math.inf]
-        )
+        still = {"trend": np.zeros(3), "gust": np.zeros(3), "times": np.ones(3)}
+        return SimpleNamespace(vehicle=vehicle, rates=rates, wind=wind, walk=[math.inf], **still)
 
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast
