@@ -108,6 +108,13 @@ def test_biases_of_airspeed_and_heading_show_while_the_aircraft_turns(share, hea
     np.testing.assert_allclose(filter_.state.wind, [3.0, -5.0, 0.2], atol=0.3)
 
 
+@pytest.mark.parametrize("share", [0.3, -0.4])
+def test_an_airspeed_that_is_far_off_from_the_start_is_corrected(share):
+    filter_, _ = flown(300.0, share=share)
+    assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.5)
+    assert filter_.state.alpha[0] == pytest.approx(share, abs=0.02)
+
+
 def test_gusts_that_the_airspeed_shows_are_no_bias_of_it():
     # Heavy aircraft: gusts change airspeed and heading, and hardly the velocity over ground.
     random, filter_, gust = np.random.default_rng(3), AirFilter(), np.zeros(3)

@@ -210,6 +210,17 @@ def test_an_aircraft_far_below_its_target_is_told_once(height, said):
     assert words == ([told] if said else [])
 
 
+@pytest.mark.parametrize(
+    ("excess", "said"), [(0.15, "too much"), (-0.15, "too little"), (0.05, "")]
+)
+def test_an_airspeed_that_is_corrected_by_much_is_told_once(excess, said):
+    navigator = Navigator(FLIGHT)
+    navigator.air_estimate.state.alpha[:] = excess
+    words = [*navigator.complaints(), *navigator.complaints()]
+    told = f"the airspeed reads {said} by more than 10%: it is corrected"
+    assert words == ([told] if said else [])
+
+
 def test_a_latency_of_next_to_nothing_is_flown_through():
     navigator = seen(replace(FLIGHT, dead_time=(0.0, 0.0, 0.0)))
     navigator.latency = 1e-12

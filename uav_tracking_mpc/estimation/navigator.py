@@ -51,6 +51,7 @@ ROUNDING = 1e-9  # -, of a count of steps
 LATENCY_LIMIT = 1.5  # s, counted on at most: a greater one is that of a clock
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
 BELOW = 20.0  # m, under its target, where hardly an aircraft is unless its z is positive down
+TOLD_EXCESS = 0.1  # -, share by which an airspeed reads too much or too little that is worth a word
 # m/s, m/s, m: how quickly a position that is carried on goes astray by the ground velocity, and by
 # air velocity and wind in its place; and how far, from which on nobody should fly by it
 ASTRAY, BY_WIND, LOST = 0.3, 1.5, 30.0
@@ -178,7 +179,14 @@ class Navigator:
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
         below = f"the aircraft is {self._below:.0f} m below the target: z must be positive up (ENU)"
-        concerns = [*self.air.concerns(self._estimating), (self._below > BELOW, below)]
+        excess = float(self.air_estimate.state.alpha[0])
+        much = "much" if excess > 0.0 else "little"
+        off = f"the airspeed reads too {much} by more than {TOLD_EXCESS:.0%}: it is corrected"
+        concerns = [
+            *self.air.concerns(self._estimating),
+            (self._below > BELOW, below),
+            (abs(excess) > TOLD_EXCESS, off),
+        ]
         holding = {which for which, (holds, _) in enumerate(concerns) if holds}
         news = [concerns[which][1] for which in sorted(holding - self._told)]
         self._told |= holding

@@ -104,11 +104,12 @@ ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the oth
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them. Of both
 # sensors' own changes in m/s what is taken for noise so far, what is a jump, what lasts. By how
-# much in m/s an airspeed may be too high, and too low, that nobody has found wrong yet.
+# much in m/s an airspeed may be too high, and too low, that nobody has found wrong yet; and which
+# part of what lasts nothing else explains.
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
     recent=3, moved=1, reading=1, stood=1, gained=1, speed=1, rough=2, own=2,
-    drifted=2, doubts=2,
+    drifted=2, doubts=2, unexplained=1,
 )  # fmt: skip
 
 
@@ -319,7 +320,9 @@ def air_checked(
         ca.norm_2(explained - recent),
     )
     for name, value in vars(after).items():
-        judged = _of_residuals(known_winds) if value.numel() == 4 else known_winds
+        judged = {4: _of_residuals(known_winds), 2: known_winds, 1: compared[AIRSPEED]}[
+            value.numel()
+        ]
         setattr(known, name, ca.if_else(judged, value, getattr(known, name)))
     known.weight = ca.if_else(known_winds, after.weight, 0.0)
     known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
@@ -397,7 +400,8 @@ def _compared(
     drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + smooth)
     high_low = ca.vertcat(1.0, -1.0)
     doubts = ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT
-    doubts *= weight[AIRSPEED] >= PRIOR_TIME + LASTING
+    late = weight[AIRSPEED] >= PRIOR_TIME + LASTING  # until then the wind may be what is wrong
+    doubts *= late
     # It goes once the residual has gone: what has changed fades, and gusts may hide it for a while.
     fading = ca.fmax(high_low * lasting[AIRSPEED], known.doubts * (1.0 - elapsed / LASTING))
     doubts = ca.fmax(doubts, ca.fmin(known.doubts, fading))
@@ -416,17 +420,20 @@ def _compared(
     by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
     by_air = (size > most) * (by_sensor < LEAST_SHARE * size)
     jumped = (size > most) * (by_sensor > OWN_SHARE * size)
-    # An airspeed's bias from the start has been found after a minute, and is none of this.
+    # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
+    # of it is not explained.
     drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
     drifts *= (weight >= ca.DM([COMPARED, PRIOR_TIME + LASTING])) * ca.vertcat(1.0, turn_told)
-    off = (ca.fabs(its_lasting) > least) * drifts
+    both_used = ca.mmax(reasons) == CODE[USED]
+    beyond = ca.fabs(its_lasting) - least
+    off = (beyond > 0.0) * drifts
+    unexplained = late * both_used * (beyond[HEADING] <= 0.0) * ca.fmax(beyond[AIRSPEED], 0.0)
     found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
     agrees = ca.fabs(now[ITS]) < AGREEING * ca.fmin(most, least)
     agrees[AIRSPEED] *= known.stood < STUCK_FOR
     agrees *= ca.logic_or(reasons == CODE[JUMPED], reasons == CODE[OFF])
     agreed = ca.if_else(agrees, known.agreed + elapsed, 0.0)
     again = agreed > AGREED_FOR
-    both_used = ca.mmax(reasons) == CODE[USED]
     free = both_used * ca.vertcat(1.0, found[AIRSPEED] == CODE[USED])
     reasons = ca.if_else(free, found, reasons)
     by_air *= reasons == CODE[JUMPED]
@@ -444,6 +451,7 @@ def _compared(
         own=owned,
         drifted=drifted,
         doubts=ca.if_else(again[AIRSPEED], 0.0, doubts),
+        unexplained=unexplained,
         jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )

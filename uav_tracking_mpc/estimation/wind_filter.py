@@ -57,6 +57,7 @@ BIAS = 0.02  # rad, of beta; and -, of alpha
 # How much what is constant may wander
 WIND_WALK, GROUND_WALK = 0.03, 0.01  # m/s per root of s
 BIAS_WALK = 2e-4  # rad per root of s, of beta; of alpha likewise
+BIAS_TIME = 3.0  # s, after which alpha is as uncertain as what nothing else explains
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
 TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how long it lasts
@@ -127,7 +128,13 @@ def begin_position(
 
 
 def predicted(
-    lane: SimpleNamespace, elapsed: ca.SX, air: ca.SX, scales: ca.SX, loose: ca.SX, walks: ca.SX
+    lane: SimpleNamespace,
+    elapsed: ca.SX,
+    air: ca.SX,
+    scales: ca.SX,
+    loose: ca.SX,
+    walks: ca.SX,
+    unexplained: ca.SX,
 ) -> SimpleNamespace:
     """A filter after a time, before it is corrected.
 
@@ -138,6 +145,7 @@ def predicted(
         scales: Lengths of gusts on each axis, shape (3,), in [m].
         loose: Directions in which a is a guess, times its deviation, shape (3, n), in [m/s].
         walks: Intensities of the level and the vertical gusts in [m^2/s^3].
+        unexplained: By how much the airspeed differs from what all others tell in [m/s].
 
     Returns:
         As :data:`LANE`, but the covariance as a matrix; and the gusts' correlation times [s].
@@ -165,6 +173,7 @@ def predicted(
     spread[W], spread[B] = WIND_WALK**2 * elapsed, GROUND_WALK**2 * elapsed
     spread[T] = TREND**2 * (1.0 - lasts**2)
     spread[ALPHA:] = BIAS_WALK**2 * elapsed
+    spread[ALPHA] += (unexplained / ca.fmax(ca.norm_2(steady), 1.0)) ** 2 * elapsed / BIAS_TIME
     covariance = ca.triu2symm(ca.SX(ca.Sparsity.upper(SIZE), lane.triangle))
     covariance = transition @ covariance @ transition.T + ca.diag(spread)
     covariance[P, P] += elapsed**2 * (loose @ loose.T)  # where it went in between is a guess too
