@@ -306,6 +306,15 @@ def test_a_number_that_is_not_finite_is_refused_and_the_slider_goes_on(wind, fli
     assert flight.steering.asked == [("change", SIMULATOR, {"wind": (-8.0, 0.0, 0.5)})]
 
 
+def test_a_choice_that_there_is_not_is_refused_and_the_list_goes_on(orbit, flight):
+    orbit.by_hand("direction", "upside down")
+    assert "direction cannot be upside down" in orbit.show()
+    assert orbit.widget("direction").value == "nearest"
+    orbit.by_hand("direction", "clockwise")
+    orbit.until(lambda: flight.steering.asked)
+    assert flight.steering.asked == [("change", CONTROLLER, {"direction": "clockwise"})]
+
+
 @pytest.fixture
 def simulated_time(begun):
     return begun(SimulatedTime)

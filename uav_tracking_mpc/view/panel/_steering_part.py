@@ -402,7 +402,9 @@ class ParameterPart(SteeringPart):
         """
         for steered in self._steered:
             value = steered.widget.value
-            if isinstance(value, float) and not math.isfinite(value):
+            options = getattr(steered.widget, "options", (value,))
+            endless = isinstance(value, float) and not math.isfinite(value)
+            if endless or value not in options:
                 steered.widget.value = steered.seen
                 words = f"{steered.widget.label} cannot be {value}"
                 self.say(words, of=REFUSED, under=steered.widget)
