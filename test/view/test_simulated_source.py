@@ -170,7 +170,7 @@ def test_the_thread_flies_answers_and_ends():
     source.close()
     assert flight.steering.pause(False) == "the simulation has ended"
     log = source.log()
-    assert log.duration == pytest.approx(time + 0.05)
+    assert log.duration == pytest.approx(time)
     assert log.speed == 100.0
 
 
@@ -338,3 +338,21 @@ def test_a_paused_flight_stands_still_and_goes_on_from_there(settled):
     assert settled.ask(settled.steering.pause, False) == ""
     settled.wait(1.0)
     assert settled.loop.time == pytest.approx(time + 4.0, abs=0.1)
+
+
+def test_what_is_changed_while_time_stands_is_seen_at_once(settled):
+    settled.fly(1.0)
+    assert settled.ask(settled.steering.pause, True) == ""
+    before = settled.flight.sight
+    assert settled.ask(settled.steering.change, CONTROLLER, range=350.0) == ""
+    longer = settled.flight.sight.errors["range_error"] - before.errors["range_error"]
+    assert longer == pytest.approx(-50.0, abs=1.0)
+    assert settled.ask(settled.steering.engage, False) == ""
+    assert settled.flight.sight.mode is FallbackMode.SILENCE
+    assert settled.ask(settled.steering.reset) == ""
+    start = settled.loop.configuration.simulator.initial_position
+    np.testing.assert_allclose(settled.flight.sight.position, start)
+    assert settled.flight.sight.time == settled.loop.time
+    assert settled.ask(settled.steering.engage, True) == ""
+    assert settled.ask(settled.steering.pause, False) == ""
+    assert settled.fly(1.0)[-1].mode is FallbackMode.OPTIMAL

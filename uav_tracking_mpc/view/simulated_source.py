@@ -243,7 +243,8 @@ class SimulatedFlight(FlownFlight):
         super().__init__(PAST_SPAN)
         speed = configuration.mission.speed
         simulator = changed(configuration.simulator, {"speed": speed})
-        self.name, self.clock, self.requests = configuration.name, clock, RequestQueue()
+        self.name, self.clock = configuration.name, clock
+        self.requests = RequestQueue(self._look_again)
         self.loop = InterruptedLoop(replace(configuration, simulator=simulator))
         self.steering = SimulatedSteering(self.loop, clock, self.requests)
         self._sights = SimulatedSights(self.loop)
@@ -285,6 +286,15 @@ class SimulatedFlight(FlownFlight):
             if self._witness is not None:
                 self._witness(tick.time, tick.measured, tick.command)
         return 0.0
+
+    def _look_again(self) -> None:
+        """Show what a request has changed while no tick shows it."""
+        loop = self.loop
+        if self.sight is None or self.clock.playing or self._failed is loop.plant:
+            return
+        truth = loop.plant.truth
+        sight = self._sights.at(Tick(loop.time, truth, truth, None))
+        self.sight = replace(sight, rivals=self.sight.rivals)
 
     def _fail(self, words: str) -> None:
         self._failed = self.loop.plant

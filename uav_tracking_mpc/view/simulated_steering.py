@@ -161,9 +161,14 @@ Answer = concurrent.futures.Future[str]
 
 
 class RequestQueue:
-    """A queue of requests, each answered with why it was refused, or nothing."""
+    """A queue of requests, each answered with why it was refused, or nothing.
 
-    def __init__(self) -> None:
+    Args:
+        done: Called after each request that was not refused, before it is answered.
+    """
+
+    def __init__(self, done: Callable[[], None] = lambda: None) -> None:
+        self._done = done
         self._waiting: queue.SimpleQueue[tuple[Request, Answer]] = queue.SimpleQueue()
         self._closed = False
 
@@ -214,6 +219,7 @@ class RequestQueue:
             return
         try:
             request()
+            self._done()
             answer.set_result("")
         except (ParameterError, SimulationError) as refusal:
             answer.set_result(str(refusal))
