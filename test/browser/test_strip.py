@@ -164,6 +164,8 @@ def test_on_a_phone_panel_and_strip_are_folded_and_unfold(chromium, page):
     seen.page.get_by_title("Fold or unfold").click()
     canvas.wait_for(state="visible")
     assert strip.bounding_box()["height"] > 90
+    fold = seen.page.get_by_title("Fold or unfold").bounding_box()
+    assert fold["x"] + fold["width"] < 390  # so that it can be folded again
     assert seen.page.evaluate("document.documentElement.scrollWidth") == 390
     camera = seen.page.get_by_text("Camera", exact=True)
     camera.wait_for(state="attached")
