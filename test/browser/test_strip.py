@@ -121,6 +121,20 @@ def test_the_cockpit_has_the_display_and_the_other_views_have_none(seen):
         seen.page.locator("#flight-hud").wait_for(state=state)
 
 
+def test_keys_belong_to_the_page_again_after_a_choice_from_a_list(seen):
+    camera = seen.page.get_by_role("combobox", name="Camera")
+    hud = seen.page.locator("#flight-hud")
+    camera.click()
+    seen.page.get_by_role("option", name="follow", exact=True).click()
+    seen.eventually(lambda: camera.evaluate("it => it !== document.activeElement"), "it has closed")
+    for state in ("visible", "hidden"):
+        seen.page.keyboard.press("h")
+        hud.wait_for(state=state)
+    assert camera.input_value() == "follow"
+    camera.click()
+    seen.page.get_by_role("option", name="the orbit", exact=True).click()
+
+
 def test_the_orbit_that_is_asked_for_is_seen_either_way_round(seen, flight):
     """Half of its dashed circle has the aircraft's colour, and the circle inside of it none."""
     turn = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)

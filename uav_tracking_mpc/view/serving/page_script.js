@@ -130,6 +130,11 @@
       if (event.key === "l") goLive();
     });
     window.addEventListener("resize", resize);
+    document.addEventListener("click", (event) => {
+      // A list keeps the keys after a choice: H would be written into it.
+      const chosen = event.target.closest?.('[role="option"]');
+      if (chosen) setTimeout(() => document.activeElement?.blur()); // when it has closed
+    });
     new MutationObserver(() => (dirty = true)).observe(document.documentElement, {
       attributes: true, attributeFilter: ["data-mantine-color-scheme"],
     });
