@@ -235,6 +235,9 @@ def test_a_mission_in_the_address_is_flown_when_that_is_asked_for(seen, flight):
     seen.wait_for_text("The mission is flown from now on")
     assert tuple(flight.steering.parameters(SIMULATOR)["wind"]) == (3.0, -4.0, 0.0)
     assert "mission" not in seen.page.url
+    seen.page.evaluate("(mission) => (location.hash = `mission=${mission}`)", mission)
+    seen.wait_for_text("This address holds a mission")  # another link in the same tab
+    seen.press("Not now")
 
 
 @pytest.mark.nodes

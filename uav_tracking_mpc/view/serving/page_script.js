@@ -594,6 +594,7 @@
       words.textContent = "the whole flight: click to go to a time";
     } else {
       offerMission();
+      window.addEventListener("hashchange", () => location.reload()); // a link opened in this tab
       poll();
       pollRows();
       setInterval(tick, TICK);
