@@ -26,6 +26,7 @@ from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 
 cameras = pytest.importorskip("uav_tracking_mpc.view.cameras", exc_type=ImportError)
 rigid = pytest.importorskip("viser.transforms")
+from uav_tracking_mpc.view.scene.wind import LOW, WORDS  # noqa: E402
 
 CENTRE = np.array([1000.0, -500.0, 120.0])
 SIGHT = sight(
@@ -63,6 +64,21 @@ def test_the_whole_orbit_is_in_the_first_view(view, aspect):
     seen = picture(cameras.first_pose(view, (FLIGHT, SIGHT), aspect), orbit, aspect)
     assert np.abs(seen).max() < 1.0
     assert np.abs(seen).max() > 0.5
+
+
+@pytest.mark.parametrize("aspect", [2.0, 1.4, 1.0])
+def test_the_first_view_of_an_orbit_is_the_same_a_little_beside_it_and_shows_the_wind(aspect):
+    poses = [
+        cameras.first_pose(
+            cameras.ORBIT,
+            (FLIGHT, replace(SIGHT, position=np.add(CENTRE, [275.0 + off, 0.0, 0.0]))),
+            aspect,
+        )
+        for off in (-2.0, 2.0)
+    ]
+    np.testing.assert_array_equal(poses[0], poses[1])
+    words = 275.0 * WORDS + [0.0, 0.0, LOW * CENTRE[2]]
+    assert np.abs(picture(poses[0], words[None], aspect)).max() < 0.9
 
 
 @pytest.mark.parametrize("view", [cameras.ORBIT, cameras.FREE, cameras.ABOVE])

@@ -44,12 +44,13 @@ VIEWS = ORBIT, FOLLOW, ABOVE, COCKPIT, FREE
 FIELD_OF_VIEW = math.radians(50.0)  # upright
 NEAR, FAR = 0.5, 50_000.0  # m
 MARGIN = 1.25  # of what is to be in the picture
-WIDEST = 1.3  # width by height of a picture up to which an orbit fills the width
+WIDEST = 1.15  # width by height of a picture up to which an orbit fills the width
 ELEVATION = math.radians(22.0)
 BEHIND, OVER = 0.75, 0.3  # where a camera that follows begins, by the radius of the orbit
 FAR_TARGET = 4.0  # by the radius of the orbit: a target that goes farther is followed
 FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
 STEP = 0.5  # by the radius of the orbit, in which it counts how far off the aircraft is
+BESIDE = 0.1  # of that: on the orbit, an aircraft is as often a little outside as inside
 TILT = 1e-3  # rad; straight down, north would be nowhere
 # On a phone the panel covers the lower part once unfolded: the middle stands so far up, by half a
 # picture.
@@ -100,7 +101,7 @@ def first_pose(view: str, watched: Watched, aspect: float, covered: float = 0.0)
     size, middle = extent(flight, sight), centre(sight)
     away = float(np.hypot(*(sight.position - middle)[:2]))
     # In whole steps: pages that are opened one after the other begin alike.
-    steps = min(max(math.ceil(away / (STEP * size)), 1.0 / STEP), FARTHEST / STEP)
+    steps = min(max(math.ceil(away / (STEP * size) - BESIDE), 1.0 / STEP), FARTHEST / STEP)
     reach = MARGIN * STEP * size * steps
     # From so low an orbit is higher than a picture only where that is much wider than high.
     free = min(aspect * (1.0 - covered), 1.0 if view == ABOVE else WIDEST)
