@@ -380,6 +380,16 @@ def test_a_fault_that_needs_no_fallback(faults, flight):
     assert "no fallback was needed" in faults.show(sight(10.0 + 2.0 * PATIENCE))
 
 
+def test_a_fallback_after_the_recovery_is_none_of_its_story(faults, flight):
+    inject(faults, flight)
+    faults.show(sight(14.0, mode=FallbackMode.LOITER), sight(15.0))
+    text = faults.show(sight(60.0, mode=FallbackMode.SILENCE, reason="disengaged"))
+    assert "recovered" in text
+    assert "disengaged" not in text
+    faults.by_hand("inject", FAULT)
+    faults.until(lambda: "disengaged" in faults.text)  # a new fault begins a new story
+
+
 def test_a_fault_that_is_offered_later_gets_its_button(faults, flight):
     flight.steering.faults["lose the state"] = "No state arrives for 3 s."
     faults.show()

@@ -236,6 +236,7 @@ class Faults(SteeringPart):
         self._fault = ""
         # Times of the flight: a fault was asked for, and begun; a fallback was flown last; now.
         self._asked = self._since = self._left = self._now = float("nan")
+        self._story = ""  # how the last fault ended, as HTML; empty until it has
         self._offered: dict[str, Callable[[], str]] = {}
         hint = self._take_offers()
         with self.folder:
@@ -254,7 +255,7 @@ class Faults(SteeringPart):
         return self.steering.inject(fault)
 
     def _begun(self, fault: str) -> None:
-        self._since, self._fault = self._asked, fault
+        self._since, self._fault, self._story = self._asked, fault, ""
 
     def show(self, sight: Sight) -> None:
         """Tell what the last fault does to the flight.
@@ -275,13 +276,15 @@ class Faults(SteeringPart):
         if not self._fault:
             return
         heading = f"<b>{html.escape(self._fault)}</b> {faint(duration(since) + ' ago')}"
-        if lost:
+        if self._story:
+            story = self._story
+        elif lost:
             story = f"now flying {mode_badge(mode)} {html.escape(sight.reason)}"
         elif self._left > self._since:
             lasted = duration(self._left - self._since)
-            story = f"{badge('recovered', CALM)} after {lasted}"
+            story = self._story = f"{badge('recovered', CALM)} after {lasted}"
         elif since > PATIENCE:
-            story = "no fallback was needed"
+            story = self._story = "no fallback was needed"
         else:
             story = "no fallback so far"
         self._told.content, self._told.visible = block(heading, story), True
