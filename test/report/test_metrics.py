@@ -104,6 +104,9 @@ def test_a_sensor_that_failed_has_its_faults():
     assert sensors["heading"]["refused"] == pytest.approx(0.4)
     assert sensors["position"] == {"used": 1.0, "refused": 0.0, "faults": []}
     assert "The airspeed was left out for 30.0% of the flight" in verdict(metrics(log))
+    news[1] = SensorNews(0.2005, "airspeed", "used")
+    numbers = metrics(orbiting(21, step=0.05, sensors=tuple(news)))
+    assert "The airspeed was left out for less than 0.1% of the flight" in verdict(numbers)
 
 
 def test_latency_only_where_it_was_measured():

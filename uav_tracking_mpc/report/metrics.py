@@ -269,6 +269,7 @@ def _plain(value: Any) -> float | None:
 
 
 BAND_UNITS = {"range": "m", "altitude": "m", "speed": "m/s", "bearing": "rad"}
+LEAST_SHARE = 0.001  # -, of the whole: less is not told as a number
 FALLBACKS = 12  # most that a page lists
 LATE_SHARE = 0.01  # -, of the commands: with more of them a flight is not what was asked for
 NOTABLE_OFFSET = 0.01  # m, mean range error that the report speaks of
@@ -389,7 +390,7 @@ def _failures(numbers: dict[str, Any]) -> list[str]:
     if commands["late"]:
         share = commands["late"] / max(commands["sent"], 1)
         sentences.append(
-            f"{commands['late']} of {commands['sent']} commands ({share:.1%}) came late."
+            f"{commands['late']} of {commands['sent']} commands ({_percent(share)}) came late."
         )
     if commands["failsafe"]:
         times = "once" if commands["failsafe"] == 1 else f"{commands['failsafe']} times"
@@ -398,12 +399,17 @@ def _failures(numbers: dict[str, Any]) -> list[str]:
         if sensor["faults"]:
             first, lost = sensor["faults"][0], sensor["refused"]
             sentences.append(
-                f"The {name} was left out for {lost:.1%} of the flight, first as {first['state']} "
-                f"after {quantity(first['begin_s'], 's')}."
+                f"The {name} was left out for {_percent(lost)} of the flight, "
+                f"first as {first['state']} after {quantity(first['begin_s'], 's')}."
             )
     if unusable := numbers.get("unusable_messages"):
         sentences.append(f"{unusable} messages could not be used and are left out.")
     return sentences
+
+
+def _percent(share: float) -> str:
+    """What there is, however little, is more than nothing."""
+    return f"{share:.1%}" if share >= LEAST_SHARE else f"less than {LEAST_SHARE:.1%}"
 
 
 class Fallback(NamedTuple):
