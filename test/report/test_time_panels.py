@@ -140,6 +140,14 @@ def test_wind_and_drift_are_drawn(log):
     np.testing.assert_allclose(line(panel(figure, "Target's speed"), BLUE), 5.0)
 
 
+def test_a_target_that_moves_for_a_time_does_not_stand(log):
+    moved = np.zeros((len(log.time), 3))
+    for moving, words in ((0, "it stands"), (5, "")):
+        moved[:moving, 0] = 5.0
+        axes = panel(conditions_figure(replace(log, target_velocity=moved)), "Target's speed")
+        assert axes.get_title(loc="right") == words
+
+
 def test_each_mode_has_a_row_and_a_bar_for_its_time(log):
     """Best first; the loiter law from 60 s to 70 s."""
     axes = panel(conditions_figure(log), "Mode")

@@ -413,7 +413,7 @@ def _target_panel(axes: Axes, log: FlightLog) -> None:
     velocity = log.target_velocity
     speed = np.zeros(len(log.time)) if velocity is None else np.linalg.norm(velocity, axis=1)
     axes.plot(log.time, speed, color=BLUE)
-    if not _moves(velocity):
+    if not np.any(speed > CALM):
         _aside(axes, "it stands")
     finish(axes, "Target's speed", "speed [m/s]", 0.0, value_limits(speed, 0.0, 1.0)[1])
 
