@@ -282,6 +282,7 @@ def test_fallbacks_are_listed_with_their_reasons():
     assert "Fallback mode" in page
     assert re.findall(r"reason (\d+)", page) == [str(k) for k in range(8, 20)]
     assert "loiter law 33 s 0.9 s reason 8" in page
+    assert "It fell back 20 times. These are the 12 longest:" in page
     assert "Fallback mode" not in words(page_of(orbiting(3)))
 
 

@@ -158,4 +158,5 @@ def render_page(
         replay=replay,
         scene_failure=scene_failure,
         fallbacks=fallbacks(log),
+        fell_back=sum(not each.mode.nominal for each in log.modes),
     )
