@@ -68,6 +68,19 @@ def test_what_is_no_mission_or_is_refused_is_told():
     assert "the wind is too strong" in fly_mission(steering, mission_of(steered(), "a").encode())
 
 
+def test_what_is_flown_although_something_is_refused_is_told():
+    steering = StandInSteering()
+    change = steering.change
+    steering.change = lambda node, **values: (
+        "the orbit is too small" if node == CONTROLLER else change(node, **values)
+    )
+    refusal = fly_mission(steering, mission_of(steered(), "one").encode())
+    assert refusal == (
+        "the orbit is too small; what it says of target_publisher and uav_simulator is flown"
+    )
+    assert tuple(steering.values[SIMULATOR]["wind"]) == (3.0, -4.0, 0.0)
+
+
 def test_a_link_holds_it_and_no_token(panel, flight):
     shown = panel(MissionFile)
     shown.by_hand("Make a link", True)

@@ -78,7 +78,7 @@ def fly_mission(steering: Steering, content: bytes) -> str:
         content: Of the file.
 
     Returns:
-        What was refused, and why; empty where all was done.
+        What was refused, and why, and what is flown nevertheless; empty where all was done.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / FILE
@@ -87,12 +87,16 @@ def fly_mission(steering: Steering, content: bytes) -> str:
             sections = read_sections(path, [*SECTIONS, SCENARIO])
         except ParameterError as error:
             return str(error).replace(f" {path}", "")
-    refusals = []
+    refusals: list[str] = []
+    flown: list[str] = []
     for node in (TARGET, SIMULATOR, CONTROLLER):  # an orbit is judged in the wind that blows
         values = {key: _plain(value) for key, value in sections[node].items()}
         if values and node in steering.nodes:
-            refusals.append(steering.change(node, **values))
-    return "; ".join(filter(None, refusals))
+            refusal = steering.change(node, **values)
+            (refusals if refusal else flown).append(refusal or node)
+    if refusals and flown:
+        refusals.append(f"what it says of {' and '.join(flown)} is flown")
+    return "; ".join(refusals)
 
 
 def _steered(node: str) -> tuple[str, ...]:
@@ -118,7 +122,7 @@ def fly_and_tell(client: viser.ClientHandle, steering: Steering, content: bytes)
     """
     refusal = fly_mission(steering, content)
     client.add_notification(
-        "The mission is refused" if refusal else "The mission is flown from now on",
+        "The mission is refused, or some of it" if refusal else "The mission is flown from now on",
         refusal,
         color="red" if refusal else "green",
     )
