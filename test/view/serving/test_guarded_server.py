@@ -20,6 +20,7 @@ import gzip
 import logging
 import re
 import socket
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
@@ -317,6 +318,31 @@ def test_junk_is_one_line_of_a_kind_and_the_page_goes_on(caplog, capfd):
         "page: refused a request of 127.0.0.1: its message is none that a page sends",
     ]
     assert capfd.readouterr().err == ""
+
+
+CAMERA = {
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (0.0, -9.0, 3.0),
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+    "fov": 0.9,
+    "near": 0.1,
+    "far": 1e4,
+    "image_height": 600,
+    "image_width": 900,
+}  # with which a page begins
+
+
+def test_a_page_that_is_closed_while_it_is_drawn_for_is_no_warning():
+    with warnings.catch_warnings(record=True) as caught, served() as server:
+        with open_websocket(server) as websocket:
+            websocket.send(pack(type="ViewerCameraMessage", **CAMERA))
+            assert wait_for(server.get_clients, PATIENCE)
+            (client,) = server.get_clients().values()
+            frame = client.scene.add_frame("/world")
+        assert wait_for(lambda: not server.get_clients(), PATIENCE)
+        frame.position = (1.0, 2.0, 3.0)
+    assert [str(each.message) for each in caught] == []
 
 
 def test_a_message_larger_than_any_of_a_page_closes_its_websocket(open_server, caplog):

@@ -46,6 +46,7 @@ import re
 import secrets
 import socket
 import threading
+import warnings
 from collections.abc import Awaitable, Callable, Collection, Iterator, Mapping, Sequence
 from http import HTTPStatus
 from http.cookies import CookieError, SimpleCookie
@@ -261,6 +262,8 @@ class GuardedServer(viser.ViserServer):
         machine = socket.gethostname()
         names = () if host is None else (host, machine, f"{machine}.local")
         self.answers: dict[str, Answering] = {}
+        # A page may be closed while a frame is drawn for it, which is nobody's mistake.
+        warnings.filterwarnings("ignore", "Queued a .* on a closed connection")
         guard = _Guard(Access(token, names), listener, self.answers)
         with _silent(), guard.around_serve():
             super().__init__(LOOPBACK, listener.getsockname()[1], label=label, verbose=False)
