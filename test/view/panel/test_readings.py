@@ -138,7 +138,7 @@ def test_the_last_minutes_over_the_time_before_now(panel, flight):
     assert (bank.data[0][0], bank.data[0][-1]) == (-30.0, 0.0)
     assert bank.data[2] == pytest.approx(np.arange(31.0))
     assert (bank.data[3][0], bank.data[4][0]) == pytest.approx((45.0, -45.0))
-    assert cost.data[2][-1] == 31.0
+    assert cost.data[2][-1] == pytest.approx(math.log10(31.0))
     assert error.data[2][-1] == 0.4
 
 
@@ -168,11 +168,17 @@ def test_fallback_is_shaded(panel, flight):
     assert plots(panel(Plots).shown())[0].data[1].tolist() == [0.0, 1.0, 0.0]
 
 
-def test_time_is_no_date_and_the_logarithmic_axis_alone_has_no_grid(panel):
-    for plot in plots(panel(Plots)):
-        assert plot.scales["x"]["time"] is False
-        logarithmic = plot.scales["y"].get("distr") == 3
-        assert plot.axes[1]["grid"]["show"] is not logarithmic
+def test_what_hardly_changes_is_drawn_quietly(panel, flight):
+    """Else rounding would fill the plot, and each mark of its axis would read 0."""
+    flight.seen = [sight(1.0 * k, errors={"range_error": 1e-13 * k}, cost=2e-5) for k in range(9)]
+    error, _, cost = plots(panel(Plots).shown())
+    for plot in (error, cost):
+        assert np.ptp(plot.data[2]) < 1e-9
+        assert np.ptp(np.concatenate(plot.data[2:])) == pytest.approx(1.0)
+
+
+def test_time_is_no_date(panel):
+    assert all(plot.scales["x"]["time"] is False for plot in plots(panel(Plots)))
 
 
 TRACKING = load_configuration("small_uav").controller

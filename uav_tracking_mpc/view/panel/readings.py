@@ -51,9 +51,12 @@ SPAN = 180.0  # s of the plots
 RESOLUTION = 0.5  # s between their points
 HEIGHT = 120  # pixels
 BLUE, ORANGE, FALLBACK = "rgb(0,130,200)", "rgb(213,94,0)", "rgba(230,159,0,0.3)"
-COST, BANK = "Cost", "Bank"
+BANK = "Bank"
 LEVEL = 0.05  # deg; a smaller bank is to neither side
-LEAST_COST = 1e-6  # [-]; the axis of the cost is logarithmic
+LEAST_COST = 1e-6  # [-]; its logarithm is drawn
+# About range error [m] and logarithm of the cost [-], so that what hardly changes looks so.
+ROOM = 0.5
+SPANNED = [("room", "transparent")] * 2
 KNOWN = {known.name: known for known in specifications(TrackingParameters)}
 
 
@@ -233,14 +236,14 @@ class Plots(PanelPart):
         """Add them; each appears with its first point."""
         self._recent = Recent(self.flight, SPAN, _figures, RESOLUTION)
         with self.gui.add_folder(f"Last {SPAN:.0f} s", order=FOLDED, expand_by_default=False):
-            self._range = self._plot("Range error [m]", [("range error", BLUE)])
+            self._range = self._plot("Range error [m]", [("range error", BLUE), *SPANNED])
             self._bank = self._plot(
                 "Bank, right wing down [deg]",
                 [("bank", BLUE), ("limit", ORANGE), ("limit", ORANGE)],
             )
-            self._cost = self._plot(COST, [("cost", BLUE)], distr=3)
+            self._cost = self._plot("Cost, its power of ten", [("cost", BLUE), *SPANNED])
 
-    def _plot(self, title: str, lines: list[tuple[str, str]], **scale: Any) -> Any:
+    def _plot(self, title: str, lines: list[tuple[str, str]]) -> Any:
         series: list[Any] = [{"label": "s"}]
         series += [{"label": "fallback", "scale": "mode", "fill": FALLBACK, "width": 0}]
         series += [
@@ -249,7 +252,7 @@ class Plots(PanelPart):
         ]
         scales: Any = {
             "x": {"time": False, "range": (-SPAN, 0.0)},
-            "y": scale,
+            "y": {},
             "mode": {"range": (0.0, 1.0)},
         }
         return self.gui.add_uplot(
@@ -258,10 +261,7 @@ class Plots(PanelPart):
             title=title,
             scales=scales,
             legend={"show": False},
-            axes=(
-                {"size": 30, "ticks": {"show": False}},
-                {"size": 55, "ticks": {"show": False}, "grid": {"show": title != COST}},
-            ),
+            axes=({"size": 30, "ticks": {"show": False}}, {"size": 55, "ticks": {"show": False}}),
             height=HEIGHT,
             padding=(8, 12, 0, 0),
             visible=False,
@@ -278,9 +278,10 @@ class Plots(PanelPart):
         tracking = self.flight.tracking
         limit = math.nan if tracking is None else math.degrees(tracking.bank_max)
         limits = np.full_like(bank, limit), np.full_like(bank, -limit)
-        _draw(self._range, time, fallback, error)
+        power = np.log10(np.maximum(cost, LEAST_COST))
+        _draw(self._range, time, fallback, error, error - ROOM, error + ROOM)
         _draw(self._bank, time, fallback, bank, *limits)
-        _draw(self._cost, time, fallback, np.maximum(cost, LEAST_COST))
+        _draw(self._cost, time, fallback, power, power - ROOM, power + ROOM)
 
 
 def _figures(seen: Sight) -> tuple[float, ...]:
