@@ -254,6 +254,11 @@ class SimulatedSteering(Steering):
         self._loop, self._clock, self._requests = loop, clock, requests
         self.rivals = Rivals(loop)
 
+    @property
+    def airy(self) -> bool:  # type: ignore[override]  # only read
+        """See :class:`Steering`."""
+        return set(AIR) <= set(self._loop.plant.changeable)
+
     def compare(self, on: bool) -> str:
         """See :meth:`Steering.compare`."""
         return self._requests.ask(lambda: self.rivals.fly(on))

@@ -14,6 +14,7 @@
 
 """What is steered: requests are made once, refusals are shown, widgets follow what is flown."""
 
+import math
 import threading
 import time
 
@@ -24,6 +25,7 @@ from processes import wait_for
 from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering, sight
 
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.motions import TARGET_MOTION
 from uav_tracking_mpc.view.panel._steering_part import Requests, requests_of
 from uav_tracking_mpc.view.panel.steered import (
@@ -37,7 +39,14 @@ from uav_tracking_mpc.view.panel.steered import (
     Wind,
     from_where,
 )
-from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET, RivalSight
+from uav_tracking_mpc.view.simulated_source import SimulatedFlight
+from uav_tracking_mpc.view.watched_flight import (
+    CONTROLLER,
+    SIMULATOR,
+    TARGET,
+    PlayClock,
+    RivalSight,
+)
 
 
 def asked(requests, request):
@@ -174,6 +183,13 @@ def test_a_part_is_absent_where_there_is_nobody_to_ask(part, nodes):
     if nodes is not None:
         flight.steering.faults, flight.steering.comparable = {}, False
     assert not part.fits(flight, StandInSource(flight))
+
+
+def test_without_air_there_is_no_wind_to_steer():
+    """The plant of ``paper`` refuses every wind in flight."""
+    for name, airy in (("paper", False), ("small_uav", True)):
+        flight = SimulatedFlight(load_configuration(name), PlayClock(0.0, math.inf))
+        assert Wind.fits(flight, StandInSource(flight)) is airy
 
 
 @pytest.mark.parametrize(

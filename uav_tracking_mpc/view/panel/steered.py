@@ -98,6 +98,17 @@ class Wind(ParameterPart):
     title, node, section = "Wind", SIMULATOR, SimulatorParameters
     order = 30.0
 
+    @classmethod
+    def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
+        """Whether there is air that can be changed.
+
+        Args:
+            flight: What is steered.
+            source: Where it comes from.
+        """
+        steering = flight.steering
+        return super().fits(flight, source) and steering is not None and steering.airy
+
     def build(self, known: Mapping[str, Any]) -> None:
         """See :meth:`ParameterPart.build`."""
         speed, azimuth = from_where(known["wind"])
