@@ -180,6 +180,17 @@ def test_a_pause_is_survived_without_a_fallback(steered):
     assert steered.told()[1]["mode"] == "optimal plan"
 
 
+def test_who_is_disengaged_while_time_stands_has_lost_no_state(steered):
+    assert steered.spin(lambda: steered.told()[1]["mode"] == "optimal plan")
+    assert steered.ask(SetBool, "pause", "uav_simulator", data=True).success
+    for engaged in (False, True):
+        assert steered.ask(SetBool, "engage", data=engaged).success
+        steered.spin(lambda: False, 4.0 * steered.configuration.controller.state_timeout)
+        assert "lost" not in steered.told()[0]
+    assert steered.ask(SetBool, "pause", "uav_simulator", data=False).success
+    assert steered.commanded(20)
+
+
 def test_the_walls_time_cannot_be_paused_nor_sped_up(flight):
     flight.add_all(speed=None)
     answer = flight.ask(SetBool, "pause", "uav_simulator", data=True)

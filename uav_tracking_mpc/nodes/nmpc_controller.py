@@ -180,6 +180,7 @@ class NmpcController(ManagedNode):
         self._tracked, self._both_told = -math.inf, False  # stamp of the newest target/odometry [s]
         self._refused = -math.inf, ""  # when [s] a state was refused last, by the steady clock; why
         self._waiting = -math.inf  # since the newest believed state was answered, steady [s]
+        self._newest = -math.inf  # stamp of that state [s]; a controller that is stopped forgets it
         self._activated = -math.inf  # when it was activated, steady [s]
         self._engaged = True  # until an autopilot's link says otherwise
         self._paths = CommandPaths()
@@ -377,7 +378,7 @@ class NmpcController(ManagedNode):
         self.report.tell()
         # The time that an answer takes is none in which states are missing.
         if believed or command is not None:
-            self._waiting = time.monotonic()
+            self._waiting, self._newest = time.monotonic(), stamp
 
     def _send(
         self,
@@ -410,7 +411,7 @@ class NmpcController(ManagedNode):
         silent = now - max(self._waiting, self._activated)
         if self.controller is None or silent <= self.parameters.state_timeout:
             return
-        if self._time_stands(self.controller):
+        if self._time_stands():
             self.report.stands()
             return
         words = "vehicle state is lost: nothing" if math.isfinite(self._waiting) else "nothing"
@@ -421,12 +422,11 @@ class NmpcController(ManagedNode):
         self.controller.fall_silent(f"{words} usable comes on {ODOMETRY.name}: {why}")
         self.report.tell()
 
-    def _time_stands(self, controller: Controller) -> bool:
+    def _time_stands(self) -> bool:
         """Whether no state comes because simulated time itself stands still."""
-        newest, simulated = controller.state_time, self.get_parameter("use_sim_time").value
-        if newest is None or not simulated:
+        if not self.get_parameter("use_sim_time").value:
             return False
-        return abs(self._times.now() - newest) <= self.parameters.state_timeout
+        return abs(self._times.now() - self._newest) <= self.parameters.state_timeout
 
     def _end_record(self) -> None:
         if isinstance(self.controller, RecordingController):
