@@ -266,7 +266,8 @@
       return [2, "The server was started anew. Open the address that it prints: its token is new."];
     const age = (performance.now() - heard) / 1000 + (now?.age ?? 0);
     const old = `the picture is ${age.toFixed(0)} s old`;
-    if (silence > 1000 * OLD) return [2, `Connection lost: ${old}. It comes back by itself.`];
+    if (silence > 1000 * OLD)
+      return [2, `Connection lost: ${old}. It comes back by itself if the server still runs.`];
     if (now && now.age > OLD) return [2, `The server draws no more: ${old}.`];
     return now?.alert ?? null;
   }
