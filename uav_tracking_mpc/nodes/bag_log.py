@@ -42,6 +42,7 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     reported_mode,
     reported_orbit,
     sensor_changes,
+    with_silences,
 )
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
 from uav_tracking_mpc.nodes.topics import (
@@ -379,7 +380,9 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         turn_rate=np.array([motion.turn_rate for _, motion in flown]),
         measured_bank=banks if banks.any() else None,
         unusable=unusable,
-        modes=mode_changes(modes, start, end),
+        modes=mode_changes(
+            with_silences(modes, [each.stamp for each in sent], flown[-1][0]), start, end
+        ),
         sensors=sensor_changes(
             [(stamp, said.values) for stamp, said in reports if said.node == "nmpc_controller"],
             start,

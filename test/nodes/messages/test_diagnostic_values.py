@@ -38,6 +38,7 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     reported_mode,
     reported_orbit,
     response_values,
+    with_silences,
 )
 
 
@@ -114,6 +115,26 @@ def test_only_changes_count_and_only_those_of_the_flight():
         (5.0, OPTIMAL, ""),
     )
     assert mode_changes([], 0, SECOND) == ()
+
+
+def test_a_controller_that_is_gone_is_silent_although_nobody_says_so():
+    """Killed at 3 s, back at 9 s; disengaged at 12 s, as it says itself; killed again at 19 s."""
+    silent = FallbackMode.SILENCE
+    reports = [(0, OPTIMAL, ""), (9 * SECOND, LOITER, "no target yet"), (10 * SECOND, OPTIMAL, "")]
+    reports += [(12 * SECOND, silent, "disengaged"), (15 * SECOND, OPTIMAL, "")]
+    spans = ((0, 3), (9, 12), (15, 19))
+    commands = [k * SECOND // 2 for first, last in spans for k in range(2 * first, 2 * last + 1)]
+    told = with_silences(reports, commands, 24 * SECOND)
+    changes = mode_changes(told, 0, 24 * SECOND)
+    assert [(round(begin, 6), mode, reason) for begin, mode, reason in changes] == [
+        (0.0, OPTIMAL, ""),
+        (3.0, silent, "no command came"),
+        (9.0, LOITER, "no target yet"),
+        (10.0, OPTIMAL, ""),
+        (12.0, silent, "disengaged"),
+        (15.0, OPTIMAL, ""),
+        (19.0, silent, "no command came"),
+    ]
 
 
 FIRST = Orbit(300.0 + math.pi, 120.0, 22.0 / 7.0, COUNTER_CLOCKWISE)

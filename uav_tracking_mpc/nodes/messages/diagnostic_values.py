@@ -20,7 +20,9 @@ It needs no ROS: the page of a flight without nodes says the same.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.fallback import FallbackMode
@@ -34,6 +36,7 @@ from uav_tracking_mpc.simulation.steered_target import SteeredTarget
 
 OK, WARN, ERROR, STALE = range(4)  # levels of diagnostic_msgs
 AXES = ("east", "north", "up")
+CEASED = 1_000_000_000  # ns after the last command, in which a controller says why there is none
 
 
 def controller_status(mode: FallbackMode, reason: str, flying: bool) -> tuple[int, str, str]:
@@ -166,6 +169,27 @@ def mode_changes(
         if start <= stamp <= end and (not changes or changes[-1].mode is not mode):
             changes.append(FlownMode((stamp - start) * 1e-9 if changes else 0.0, mode, reason))
     return tuple(changes)
+
+
+def with_silences(
+    reports: Sequence[tuple[int, FallbackMode, str]], commands: Sequence[int], end: int
+) -> list[tuple[int, FallbackMode, str]]:
+    """Adds what a controller that is gone cannot report: that no command came.
+
+    Args:
+        reports: As of :func:`mode_changes`.
+        commands: Stamps of the commands in [ns], in order.
+        end: Of the flight in [ns].
+    """
+    told, stamps = list(reports), [stamp for stamp, *_ in reports]
+    for last, after in pairwise([*commands, end]):
+        known = bisect_right(stamps, last + CEASED)
+        if after - last <= CEASED or not known or reports[known - 1][1] is FallbackMode.SILENCE:
+            continue
+        told.append((last, FallbackMode.SILENCE, "no command came"))
+        if after < end:
+            told.append((after, *reports[bisect_right(stamps, after) - 1][1:]))
+    return sorted(told, key=lambda report: report[0])
 
 
 def sensor_changes(
