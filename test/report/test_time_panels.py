@@ -44,6 +44,17 @@ def test_bearing_is_drawn_without_jumps():
     assert low < theta.min() and theta.max() < high
 
 
+def test_each_state_has_one_reference_also_where_another_was_asked_for_in_flight():
+    """The orbit of the end is not drawn over the whole flight."""
+    log = paper_flight()
+    wider = replace(log.orbit, range=log.orbit.range + 50.0)
+    for orbits, points in (((), 2), (((0.0, wider), (80.0, log.orbit)), len(log.time))):
+        figure = time_panels.states_figure(replace(log, orbits=orbits))
+        axes = panel(figure, "Range")
+        (reference,) = (each for each in axes.lines if each.get_linestyle() == "--")
+        assert len(reference.get_xdata()) == points
+
+
 def test_inputs_are_drawn_held_between_their_bounds():
     """Steps from command to command, the last one to the end; limits show both bounds."""
     log = paper_flight()

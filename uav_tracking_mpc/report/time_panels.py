@@ -187,9 +187,10 @@ def _state_panel(
         axes.set_title(text, loc="right", fontsize=8, color=VERMILLION if settled is None else GREY)
         if settled is not None:
             axes.axvline(settled, color=GREY, lw=0.8)
-    axes.axhline(reference, **REFERENCE)
     if (asked != asked[:1]).any():
         axes.plot(log.time, asked, **REFERENCE)
+    else:
+        axes.axhline(reference, **REFERENCE)
     axes.plot(log.time, values, color=BLUE, marker="o" if len(values) == 1 else "", ms=4)
     finish(axes, title, label, low, high)
 
