@@ -161,7 +161,10 @@ def test_tables_say_how_many_failed_and_why(failing):
     assert head[-1] == "orbit_lost 2, raised 1"
     assert study.tables["worst"].rows[0][3] == "SimulationError: lost"
     assert study.tables["quantiles"].rows[0][:2] == ["settled [s]", "l1"]
-    assert png(study.figures["campaign"]())
+    figure = study.figures["campaign"]()
+    assert png(figure)
+    label = figure.axes[0].yaxis.label.get_window_extent()
+    assert label.x0 >= 0.0  # of few flights, too, it stands in the picture
 
 
 def test_the_folder_holds_page_picture_and_the_worst_flights_to_be_flown_again(results, tmp_path):

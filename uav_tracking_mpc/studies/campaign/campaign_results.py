@@ -35,6 +35,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 from scipy import stats
 
@@ -401,6 +402,7 @@ def _draw_beyond(axes: Axes, rows: Sequence[Row], column: str, law: str, colour:
     shares = 1.0 - np.arange(len(values)) / len(rows)
     axes.step(np.maximum(values, 1e-4), shares, where="pre", color=colour, label=law)
     axes.set(xscale="log", yscale="log", ylim=(0.7 / len(rows), 1.3))
+    axes.yaxis.set_minor_formatter(NullFormatter())  # of few flights they push the label out
 
 
 def _draw_parts(axes: Axes, results: CampaignResults, colour: dict[str, str]) -> None:
