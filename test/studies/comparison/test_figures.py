@@ -65,6 +65,18 @@ def test_there_is_a_mark_for_every_flight_and_a_bar_for_what_is_asked():
     assert list(bank_rates.lines[-1].get_xdata()) == pytest.approx([1.25 * better] * 2)
 
 
+def test_an_axis_spans_a_decade_so_that_it_names_no_more_than_its_decades():
+    still = compared("still")
+    slow = {
+        law: dataclasses.replace(flight, bank_rate_rms_dps=0.6 + 0.02 * k)
+        for k, (law, flight) in enumerate(still.measures.items())
+    }
+    changed = dataclasses.replace(still)
+    vars(changed)["measures"] = slow
+    least, most = overview_figure([changed]).axes[-1].get_xlim()
+    assert most > 10.0 * least
+
+
 def test_what_the_axis_cannot_show_points_beyond_it():
     still = compared("still")
     changed = dataclasses.replace(still)

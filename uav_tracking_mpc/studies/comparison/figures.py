@@ -190,7 +190,8 @@ def overview_figure(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> Fi
                 bound = each.bounds.get(name)
                 if bound is not None and math.isfinite(bound):
                     axes.plot([bound] * 2, [index - 0.36, index + 0.36], color=BLACK, lw=1.6)
-            axes.set(xlim=(0.8 * least, None), ylim=(len(scenarios) - 0.5, -0.5))
+            most = max(axes.get_xlim()[1], 12.0 * least)  # a decade at least: else labels overlap
+            axes.set(xlim=(0.8 * least, most), ylim=(len(scenarios) - 0.5, -0.5))
         panels[0].set_yticks(range(len(scenarios)), [each.name for each in scenarios])
         marks["less than is drawn"] = {"color": BLACK, "marker": CARETLEFT}
         marks["never"] = {"color": BLACK, "marker": CARETRIGHT}
