@@ -247,7 +247,7 @@ def test_a_sensor_that_is_left_out_is_the_worst():
 
 def test_else_it_is_told_how_surely_the_target_is_known():
     margin = worst_sensor(sensors(airspeed="used", heading="used"), TRACKING)
-    assert margin.words == "target, to 6.0 m"
+    assert margin.words == "target, known to 6.0 m"
     assert margin.used == pytest.approx(6.0 / 30.0)
     assert worst_sensor(sight(target=None), TRACKING).words == "target: not seen yet"
     assert worst_sensor(sight(), TRACKING) is None

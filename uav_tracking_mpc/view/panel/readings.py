@@ -402,7 +402,7 @@ def worst_sensor(sight: Sight, tracking: TrackingParameters | None) -> Margin | 
     measured = sight.target.measured
     if measured is None or not np.isfinite(measured).all():
         return None
-    return Margin(f"target, to {number(loose)} m", loose / (LOOSE * tracking.range))
+    return Margin(f"target, known to {number(loose)} m", loose / (LOOSE * tracking.range))
 
 
 class Health(PanelPart):
