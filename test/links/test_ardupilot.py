@@ -109,6 +109,21 @@ def test_without_a_companion_it_loiters_about_the_target(engaged):
     assert core.state.airspeed == pytest.approx(ORBIT.airspeed, abs=0.2)
 
 
+def test_a_pilot_who_hands_over_again_elsewhere_is_brought_to_that_loiter_too():
+    by_mode = LinkParameters(link="ardupilot", engage_on_mode=True)
+    flown = flight("ardupilot", link=by_mode).fly(1.5)
+    core = flown.autopilot.core
+    for _ in range(2):  # GUIDED, entered by a pilot, is a loiter about where the aircraft is then
+        assert flown.autopilot.pilot_mode("GUIDED")
+        flown.fly(5.0)
+        assert flown.link.engaged
+        assert core.loiter[:2] == pytest.approx(ORBIT.centre[:2], abs=0.1)
+        assert core.loiter.radius == pytest.approx(-ORBIT.radius)
+        flown.autopilot.pilot_mode("FBWA")
+        flown.fly(5.0)
+        assert not flown.link.engaged
+
+
 def test_a_controller_that_dies_ends_in_that_loiter_too(engaged):
     engaged.fly(10.0, Nobody())
     assert not engaged.sent_after(engaged.time - FORCED)

@@ -246,9 +246,9 @@ class ArduPilotLink(MavlinkLink):
             self._reposition(self.orbit, now, CHANGE_MODE, "the mode GUIDED")
 
     def begin(self, now: float) -> None:
-        """See :meth:`MavlinkLink.begin`: a change of mode has made it forget all set-points."""
+        """See :meth:`MavlinkLink.begin`: a change of mode has made it forget all it was told."""
         self._told.clear()
-        self._heeded = False
+        self._loiter, self._heeded = None, False
         self.accompany(now)
 
     def accompany(self, now: float) -> None:
