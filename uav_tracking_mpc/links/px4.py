@@ -435,13 +435,10 @@ class Px4Link(MavlinkLink):
     def _see(self, message: Any, arrival: float) -> None:
         """See :class:`MavlinkLink`: CURRENT_MODE ends our commands, but begins none."""
         super()._see(message, arrival)
-        if message.get_type() != "CURRENT_MODE" or self.takes_commands(message.custom_mode):
-            return
-        if self.engagement.state in (State.ENGAGED, State.SUSPENDED):
+        if message.get_type() == "CURRENT_MODE" and not self.takes_commands(message.custom_mode):
             # Where a failsafe flies, OFFBOARD is still what the pilot wants.
             failsafe = self.takes_commands(message.intended_custom_mode)
-            mode = self.mode_name(message.custom_mode)
-            self.engagement.see_mode(arrival, False, mode, self.heard.armed, failsafe)
+            self._see_mode(message.custom_mode, arrival, failsafe)
 
 
 def _clip(value: float, limit: float) -> float:

@@ -96,6 +96,26 @@ def test_a_pilot_takes_over_within_one_message_and_for_good(dialect, mode):
 
 
 @BOTH
+@pytest.mark.parametrize("asked_for", ["command", "its end"])
+def test_what_nobody_acknowledges_is_not_asked_for_against_the_pilot(dialect, asked_for):
+    flown = flight(dialect)
+    send = flown.autopilot.radio.send
+
+    def without_answers(message):
+        if message.get_type() != "COMMAND_ACK":
+            send(message)
+
+    flown.autopilot.radio.send = without_answers
+    assert flown.engage() == ""
+    if asked_for == "its end":
+        flown.link.disengage()
+        flown.fly(0.2)
+    flown.autopilot.pilot_mode("MANUAL")
+    flown.fly(4.0)  # longer than a request is repeated
+    assert flown.autopilot.core.mode == "MANUAL"
+
+
+@BOTH
 def test_giving_command_back_sends_nothing_more(dialect):
     flown = engaged_flight(dialect)
     flown.link.disengage()

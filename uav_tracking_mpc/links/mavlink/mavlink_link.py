@@ -395,17 +395,26 @@ class MavlinkLink(VehicleLink):
         self.engagement.heard(arrival)
 
     def _see_heartbeat(self, message: Any, arrival: float) -> None:
-        was, mode = self.engagement.commanding, message.custom_mode
+        was = self.engagement.commanding
         self.identity = self.heard.identity
-        self.engagement.see_mode(
-            arrival,
-            self.takes_commands(mode),
-            self.mode_name(mode),
-            self.heard.armed,
-            message.system_status == mavlink.MAV_STATE_CRITICAL,
-        )
+        failsafe = message.system_status == mavlink.MAV_STATE_CRITICAL
+        self._see_mode(message.custom_mode, arrival, failsafe)
         if self.engagement.commanding and not was:
+            self.heard.requests.drop()  # what asked for the mode
             self.begin(arrival)
+
+    def _see_mode(self, custom_mode: int, arrival: float, failsafe: bool) -> None:
+        """Take in the mode that flies; repeated, a request would end one that a pilot has chosen.
+
+        Args:
+            custom_mode: Of the autopilot.
+            arrival: Our time in [s].
+            failsafe: Whether the autopilot says that it is in one.
+        """
+        ours, name = self.takes_commands(custom_mode), self.mode_name(custom_mode)
+        self.engagement.see_mode(arrival, ours, name, self.heard.armed, failsafe)
+        if not ours and self.engagement.state is State.IDLE:
+            self.heard.requests.drop()
 
     def _tend(self, now: float) -> None:
         """Send what is due."""
