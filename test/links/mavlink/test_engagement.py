@@ -44,7 +44,7 @@ class Vehicle:
 
 def test_nothing_flies_unless_somebody_engages_and_the_mode_is_there():
     vehicle = Vehicle()
-    assert {vehicle.tells(mode) for mode in ("LOITER", "OURS", "LOITER", "OURS")} == {State.IDLE}
+    assert {vehicle.tells(mode) for mode in ("OURS", "LOITER", "OURS", "LOITER")} == {State.IDLE}
     vehicle.engagement.ask(vehicle.time)
     assert [vehicle.tells(mode) for mode in ("LOITER", "OURS")] == [State.ASKING, State.ENGAGED]
 
@@ -56,6 +56,16 @@ def test_asking_ends():
         vehicle.tells("LOITER")
     assert vehicle.engagement.state is State.IDLE
     assert "stays in mode LOITER" in vehicle.events.take()[-1].words
+
+
+@pytest.mark.parametrize("before", ["LOITER", "OURS"])
+def test_a_pilot_who_changes_the_mode_meanwhile_is_not_asked_against(before):
+    vehicle = Vehicle()
+    vehicle.tells(before)
+    vehicle.engagement.ask(vehicle.time)
+    assert vehicle.tells("MANUAL") is State.IDLE
+    assert "mode MANUAL" in vehicle.events.take()[-1].words
+    assert vehicle.tells("OURS") is State.IDLE
 
 
 @pytest.mark.parametrize("failsafe", [False, True])

@@ -96,6 +96,19 @@ def test_a_pilot_takes_over_within_one_message_and_for_good(dialect, mode):
 
 
 @BOTH
+def test_a_pilot_who_takes_over_while_command_is_asked_for_keeps_the_aircraft(dialect):
+    flown = flight(dialect).fly(0.3)
+    fault = flown.autopilot.begin_fault("deaf")  # nor does ArduPlane answer at once
+    assert flown.link.engage() == ""
+    flown.fly(0.3)
+    flown.autopilot.pilot_mode("MANUAL")
+    flown.fly(1.1)
+    flown.autopilot.end_fault(fault)
+    flown.fly(4.0)
+    assert (flown.autopilot.core.mode, flown.link.engaged) == ("MANUAL", False)
+
+
+@BOTH
 @pytest.mark.parametrize("asked_for", ["command", "its end"])
 def test_what_nobody_acknowledges_is_not_asked_for_against_the_pilot(dialect, asked_for):
     flown = flight(dialect)

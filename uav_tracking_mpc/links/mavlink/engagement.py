@@ -16,7 +16,8 @@
 
 Nothing is commanded unless somebody engaged. From then on the autopilot's mode says who flies: its
 mode of external commands, and it is us; any other, and our commands end with the message that tells
-so, until somebody engages again. One thing is told apart: an autopilot that lost us goes into a
+so, until somebody engages again. A pilot who changes the mode while we still ask for ours wants to
+fly, too. One thing is told apart: an autopilot that lost us goes into a
 failsafe of its own and says so (MAV_STATE_CRITICAL). If nothing was heard of it before, the link
 was dead, and when it takes external commands up again by itself, ours go on.
 """
@@ -58,7 +59,7 @@ class Engagement:
         self._since = -math.inf
         self._heard = math.inf
         self._silent = False
-        self._ours_before: bool | None = None
+        self._told: tuple[bool, str] | None = None  # whether the mode told last is ours, its name
 
     @property
     def commanding(self) -> bool:
@@ -104,13 +105,13 @@ class Engagement:
             armed: Whether the motor may run.
             failsafe: Whether the autopilot says that it is in one.
         """
-        before, self._ours_before = self._ours_before, ours
+        before, self._told = self._told, (ours, name)
         was_silent, self._silent = self._silent, False
         if not armed:
             self.give_up("disarmed")
         elif ours:
-            self._enter(before)
-        elif self.state is State.ASKING:
+            self._enter(switched=before is not None and not before[0])
+        elif self.state is State.ASKING and before in (None, self._told):
             if now - self._since > PATIENCE:
                 self.give_up(f"the autopilot stays in mode {name}")
         elif self.state is State.ENGAGED and failsafe and was_silent:
@@ -118,11 +119,11 @@ class Engagement:
             self._events.add(
                 Level.WARNING, f"the link was dead, the autopilot's failsafe flies in mode {name}"
             )
-        elif self.state is State.ENGAGED or (self.state is State.SUSPENDED and not failsafe):
+        elif self.state is not State.SUSPENDED or not failsafe:
             self.give_up(f"mode {name}: the pilot or the autopilot took over")
 
-    def _enter(self, before: bool | None) -> None:
-        switched = before is False and self._on_mode
-        if self.state in (State.ASKING, State.SUSPENDED) or (self.state is State.IDLE and switched):
+    def _enter(self, switched: bool) -> None:
+        by_mode = self.state is State.IDLE and switched and self._on_mode
+        if by_mode or self.state in (State.ASKING, State.SUSPENDED):
             self.state = State.ENGAGED
             self._events.add(Level.INFO, "engaged: the aircraft flies our commands")
