@@ -94,6 +94,18 @@ def test_a_controller_that_dies_ends_in_the_failsafe_and_nothing_streams_after_i
     assert engaged.autopilot.core.mode == HOLD
 
 
+@pytest.mark.parametrize("phase", [0.1, 0.4, 0.7])  # of the heartbeat: it may be heard first
+def test_a_companion_that_stood_still_goes_on_whatever_it_hears_first(phase):
+    flown = flight("px4", COM_OF_LOSS_T=0.5)
+    assert flown.engage() == ""
+    flown.fly(1.0 + phase)
+    for _ in range(500):
+        flown.autopilot.tick()
+    assert flown.autopilot.core.mode == HOLD
+    flown.fly(3.0)
+    assert (flown.autopilot.core.mode, flown.link.engaged) == ("OFFBOARD", True)
+
+
 def test_a_pilot_who_took_over_while_the_link_was_dead_keeps_it(engaged):
     fault = engaged.autopilot.begin_fault("silence")
     engaged.fly(3.0)

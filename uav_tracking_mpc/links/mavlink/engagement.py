@@ -58,7 +58,7 @@ class Engagement:
         self._events, self._on_mode = events, on_mode
         self._since = -math.inf
         self._heard = math.inf
-        self._silent = False
+        self._back = self._told_at = -math.inf  # when a silence has ended, and a mode was told
         self._told: tuple[bool, str] | None = None  # whether the mode told last is ours, its name
 
     @property
@@ -92,7 +92,7 @@ class Engagement:
             now: Our time in [s].
         """
         if now - self._heard > SILENCE:
-            self._silent = True
+            self._back = now
         self._heard = now
 
     def see_mode(self, now: float, ours: bool, name: str, armed: bool, failsafe: bool) -> None:
@@ -106,7 +106,7 @@ class Engagement:
             failsafe: Whether the autopilot says that it is in one.
         """
         before, self._told = self._told, (ours, name)
-        was_silent, self._silent = self._silent, False
+        was_silent, self._told_at = self._told_at <= self._back, now
         if not armed:
             self.give_up("disarmed")
         elif ours:

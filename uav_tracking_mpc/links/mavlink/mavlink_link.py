@@ -390,9 +390,9 @@ class MavlinkLink(VehicleLink):
 
     def _see(self, message: Any, arrival: float) -> None:
         """Take in any message of the autopilot."""
+        self.engagement.heard(arrival)
         if message is self.heard.heartbeat:  # not that of another program that speaks for it
             self._see_heartbeat(message, arrival)
-        self.engagement.heard(arrival)
 
     def _see_heartbeat(self, message: Any, arrival: float) -> None:
         was = self.engagement.commanding
