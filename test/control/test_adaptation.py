@@ -180,6 +180,8 @@ def test_nothing_is_learnt_while_an_aircraft_rolls_over_to_what_is_commanded():
     assert not seen(20.0)
     assert not seen(20.0 + 0.9 * TAKING_OVER)
     assert seen(20.0 + 1.1 * TAKING_OVER)
+    assert not seen(0.0)  # time has gone back
+    assert seen(1.1 * TAKING_OVER)
 
 
 def test_the_paper_s_formulation_refuses_it():

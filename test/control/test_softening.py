@@ -72,6 +72,15 @@ def test_the_gain_comes_back_only_so_far_that_it_stays_quiet():
     assert flight.fly(600.0, STILL)[0] == back
 
 
+def test_where_time_goes_back_swings_are_answered_and_the_gain_comes_back_as_before():
+    flight = Flight()
+    flight.time = 1000.0
+    flight.fly(0.1, SWING)
+    flight.time = 0.0
+    assert flight.fly(QUIET + 5.0, STILL)[0] < STEP
+    assert flight.fly(0.1, SWING)[0] > STEP
+
+
 def test_the_gain_stays_as_it_is_while_the_target_swings_as_well():
     """Whether the loop is quiet cannot be told then."""
     flight = Flight()

@@ -164,8 +164,9 @@ class ResponseAdaptation:
         """
         self.learn()
         self._airspeed, self._stamp = float(vehicle[5]), measurement.stamp
-        if self._engaged and self._learns_from is None:
-            self._learns_from = measurement.stamp + TAKING_OVER
+        if self._engaged:
+            over = self._stamp + TAKING_OVER  # also where time has gone back since
+            self._learns_from = over if self._learns_from is None else min(self._learns_from, over)
         self._seen = measurement, airspeed_measured
 
     def commanded(

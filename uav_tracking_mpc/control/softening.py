@@ -98,6 +98,9 @@ class Softening:
         changed = False
         for axis, (channel, swing) in enumerate(zip(self._channels, swings, strict=True)):
             flown = float(delays[axis]), float(gains[axis])
+            # Where time has gone back, nothing is awaited from a time that is no more.
+            channel.quiet_since = min(channel.quiet_since, time)
+            channel.judged = min(channel.judged, time)
             if swing is not None or going_on[axis]:
                 channel.quiet_since = time
                 if swing is not None and going_on[axis]:
