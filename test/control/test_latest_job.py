@@ -15,7 +15,9 @@
 """One thing after the other, of what waits only the latest."""
 
 import threading
+from types import SimpleNamespace
 
+from uav_tracking_mpc.control import latest_job
 from uav_tracking_mpc.control.latest_job import LatestJob
 
 
@@ -56,3 +58,29 @@ def test_work_that_raises_is_logged_and_the_next_is_done(caplog):
     assert done == [2, 3]
     assert "margins" in caplog.text
     assert "the first" in caplog.text
+
+
+def test_what_is_asked_for_as_the_rest_ends_is_done_too(monkeypatch):
+    done, asking = [], iter([True])
+
+    class Lock:
+        """Before the thread of the job has it, something else is asked for."""
+
+        def __init__(self):
+            self._lock = threading.Lock()
+
+        def __enter__(self):
+            if threading.current_thread() is not threading.main_thread() and next(asking, False):
+                job.ask(2)
+            self._lock.acquire()
+
+        def __exit__(self, *error):
+            self._lock.release()
+
+    monkeypatch.setattr(
+        latest_job, "threading", SimpleNamespace(**vars(threading) | {"Lock": Lock})
+    )
+    job = LatestJob("test", done.append, rest=0.1)
+    job.ask(1)
+    job.wait()
+    assert done == [2]

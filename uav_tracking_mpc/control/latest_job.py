@@ -79,9 +79,11 @@ class LatestJob(Generic[T]):
             while time.monotonic() < self._begin and threading.main_thread().is_alive():
                 time.sleep(LOOK_PERIOD)
             with self._lock:
+                early = time.monotonic() < self._begin
+                if early and threading.main_thread().is_alive():
+                    continue  # it was asked for something else meanwhile
                 waiting, self._next = self._next, []
-                ends = time.monotonic() < self._begin  # the program does
-                if ends or not waiting:
+                if early or not waiting:
                     self._thread = None
                     return
             try:
