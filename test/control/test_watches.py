@@ -279,6 +279,17 @@ def test_an_airspeed_that_is_not_known_is_kept_from_the_greatest_one_too():
     assert flown.airspeed_max == pytest.approx(32.0 - 0.5 * MARGIN * 2.0)
 
 
+def test_other_parameters_do_not_hide_that_the_airspeed_is_known_again():
+    events = EventLog()
+    margin = AirspeedMargin(events)
+    for deviation in (2.0, 0.0, 2.0):
+        margin.forget()
+        margin.flown(ASKED, deviation)
+    unknown, known = "the airspeed is not known", "the airspeed is known again"
+    words = [event.words.split(":")[0] for event in events.take()]
+    assert words == [unknown, known, unknown]
+
+
 @pytest.mark.parametrize("deviation", [math.nan, -1.0])
 def test_a_deviation_that_is_none_changes_nothing(deviation):
     ((flown, words),) = margins(deviation)

@@ -291,9 +291,10 @@ class AirspeedMargin:
             wanted = wanted if wanted >= MARGIN_STEP else 0.0
             same = abs(wanted - before) < MARGIN_STEP and (wanted > 0.0) == (before > 0.0)
             margins.append(before if same else wanted)
-        if margins == self._margins:
+        unsure = any(margins)
+        if (margins, unsure) == (self._margins, self._told):
             return None
-        self._margins, unsure = margins, any(margins)
+        self._margins = margins
         flown = kept_away(asked, *margins) if unsure else asked
         if self._told != unsure:
             self._told = unsure
