@@ -140,6 +140,21 @@ def test_giving_command_back_sends_nothing_more(dialect):
 
 
 @BOTH
+def test_a_clock_that_wraps_is_a_restart_after_which_it_can_be_engaged_again(dialect):
+    flown = flight(dialect).fly(1.0)
+    flown.autopilot.jump_clock(2**32 * 1e-3 - flown.time - 8.0)  # time_boot_ms has 32 bits
+    flown.fly(3.0)
+    assert flown.engage() == ""
+    flown.fly(6.0)
+    assert flown.link.values()["restarts"] == 2
+    flown.fly(1.0)
+    assert flown.engage() == ""
+    flown.fly(2.0)
+    assert flown.link.engaged
+    assert flown.sent_after(flown.time - 0.5)
+
+
+@BOTH
 def test_a_dead_link_is_taken_up_again(dialect):
     flown = engaged_flight(dialect)
     fault = flown.autopilot.begin_fault("silence")

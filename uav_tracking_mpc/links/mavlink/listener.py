@@ -106,6 +106,7 @@ KEPT_RATE = 0.7  # -, of the states that came at best, below which they are aske
 LOST = 5.0  # s without a heartbeat
 STALL = 2.0  # s in which nobody read, after which what waits is too old for its arrival to count
 BACKLOG = 10000  # reads in a row of what waits
+STAMPS_WRAP = 2**32 * 10**6  # ns, at which time_boot_ms begins at 0 again: 49.7 days
 HISTORY = 1.0  # s of age from which on a measurement is none: it waited while we were stopped
 SEVERE = 4  # code MAV_SEVERITY up to which the autopilot's words are warnings
 
@@ -324,7 +325,8 @@ class Listener:
             self._see_heartbeat(message, arrival)
         elif kind == "TIMESYNC":
             if message.tc1 > 0 and message.ts1 == self._asked_at:
-                self.clock.see_answer(message.ts1 * 1e-9, message.tc1 * 1e-9, arrival)
+                answered = message.tc1 % STAMPS_WRAP  # so do the stamps of all other messages
+                self.clock.see_answer(message.ts1 * 1e-9, answered * 1e-9, arrival)
         elif kind == "COMMAND_ACK":
             self.requests.see(message, arrival)
         elif kind == "STATUSTEXT":
