@@ -22,6 +22,7 @@ import pytest
 from stepped_flight import ORBIT, ByController, Nobody, engaged_flight, flight
 
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.findings import position_refusal
 
 OURS = {"ardupilot": "GUIDED", "px4": "OFFBOARD"}
@@ -186,6 +187,44 @@ def test_what_does_not_fit_is_refused(dialect, changed, words):
     flown = flight(dialect, **changed)
     assert re.search(words, flown.engage())
     assert flown.sent == []
+
+
+def set_in_flight(flown, name, value):
+    """As a ground station does, whom the autopilot answers on every wire."""
+    kind = mavlink.MAV_PARAM_TYPE_REAL32
+    message = mavlink.MAVLink_param_set_message(1, 1, name.encode("ascii"), value, kind)
+    flown.autopilot.protocol.take(message, flown.time)
+    assert flown.autopilot.core.parameters[name] == value
+
+
+@pytest.mark.parametrize(
+    ("dialect", "limit"), [("ardupilot", "ROLL_LIMIT_DEG"), ("px4", "FW_R_LIM")]
+)
+def test_a_bank_limit_that_is_lowered_in_flight_is_kept(dialect, limit):
+    flown = engaged_flight(dialect).fly(3.0)
+    assert max(abs(target.roll) for _, target in flown.sent) > math.radians(9.0)
+    set_in_flight(flown, limit, 6.0)
+    at = flown.fly(0.2).time
+    flown.fly(2.0)
+    after = [abs(target.roll) for time, target in flown.sent if time > at]
+    assert after
+    assert max(after) <= math.radians(6.01)
+
+
+@pytest.mark.parametrize(
+    ("dialect", "fence"),
+    [
+        ("ardupilot", {"FENCE_TYPE": 2, "FENCE_RADIUS": 250, "FENCE_ENABLE": 1}),
+        ("px4", {"GF_MAX_HOR_DIST": 250.0}),
+    ],
+)
+def test_an_orbit_is_given_up_where_a_fence_is_set_about_less_of_it(dialect, fence):
+    flown = engaged_flight(dialect).fly(1.0)
+    for name, value in fence.items():
+        set_in_flight(flown, name, value)
+    flown.fly(1.5)
+    assert not flown.link.engaged
+    assert any("leaves the autopilot's fence" in words for words in flown.words)
 
 
 @BOTH

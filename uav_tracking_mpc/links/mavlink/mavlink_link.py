@@ -36,7 +36,7 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.engagement import Engagement, State
 from uav_tracking_mpc.links.mavlink.findings import VehicleEnvelope, inspection
 from uav_tracking_mpc.links.mavlink.listener import Listener
-from uav_tracking_mpc.links.mavlink.requests import read_parameters
+from uav_tracking_mpc.links.mavlink.requests import ask_for_parameters, value_of
 from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 
@@ -254,9 +254,8 @@ class MavlinkLink(VehicleLink):
         heard.on_restart = lambda: self.engagement.give_up("the autopilot has restarted")
         try:
             heard.find(self.autopilot, timeout)
-            self.vehicle = read_parameters(
-                connection, heard.system, self.limits.names, self.by_bits, heard.receive
-            )
+            names = self.limits.names
+            ask_for_parameters(connection, heard.system, names, self.vehicle, heard.receive)
             # What is still missing at the end of the time, inspect() says.
             while self.now() < end and (
                 heard.telemetry.newest is None or "AUTOPILOT_VERSION" not in heard.latest
@@ -391,6 +390,10 @@ class MavlinkLink(VehicleLink):
     def _see(self, message: Any, arrival: float) -> None:
         """Take in any message of the autopilot."""
         self.engagement.heard(arrival)
+        if message.get_type() == "PARAM_VALUE" and message.param_id in self.limits.names:
+            value = value_of(message, self.by_bits)  # as it was asked for, or has been changed
+            if math.isfinite(value):
+                self.vehicle[message.param_id] = value
         if message is self.heard.heartbeat:  # not that of another program that speaks for it
             self._see_heartbeat(message, arrival)
 

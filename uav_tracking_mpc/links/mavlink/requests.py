@@ -22,9 +22,8 @@ Parameters are read by name and never written.
 
 from __future__ import annotations
 
-import math
 import struct
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -198,41 +197,28 @@ def value_of(message: Any, by_bits: bool) -> float:
     return float(struct.unpack_from(form, struct.pack("<f", message.param_value))[0])
 
 
-def read_parameters(
+def ask_for_parameters(
     connection: Connection,
     system: int,
     names: Iterable[str],
-    by_bits: bool,
-    receive: Callable[[float], list[Any]],
-) -> dict[str, float]:
-    """Read parameters by name; those that the autopilot has.
+    known: Container[str],
+    receive: Callable[[float], object],
+) -> None:
+    """Ask for parameters by name, until those are known that the autopilot has.
 
     Args:
         connection: To the autopilot.
         system: Its MAVLink system.
         names: Which to ask for.
-        by_bits: See :func:`value_of`.
-        receive: Gives the autopilot's messages of the next so many seconds, or earlier.
-
-    Returns:
-        Finite values by name, in the parameters' own units.
+        known: Names of those that have come.
+        receive: Takes in the autopilot's messages of the next so many seconds, or earlier.
     """
-    wanted = list(names)
-    found: dict[str, float] = {}
     for _ in range(ROUNDS):
-        missing = [name for name in wanted if name not in found]
-        if not missing:
-            break
+        missing = [name for name in names if name not in known]
         for name in missing:
             connection.send(
                 mavlink.MAVLink_param_request_read_message(system, 1, name.encode("ascii"), -1)
             )
         end = connection.now() + ROUND
-        while (left := end - connection.now()) > 0.0 and len(found) < len(wanted):
-            for message in receive(left):
-                if message.get_type() != "PARAM_VALUE" or message.param_id not in wanted:
-                    continue
-                value = value_of(message, by_bits)
-                if math.isfinite(value):
-                    found[message.param_id] = value
-    return found
+        while (left := end - connection.now()) > 0.0 and any(n not in known for n in missing):
+            receive(left)
