@@ -325,6 +325,13 @@ def test_heavy_tails_are_no_turns():
     assert np.quantile(errors, 0.95) < 0.5
 
 
+def test_an_array_that_is_filled_anew_with_each_position_is_no_old_one():
+    target, position = TargetFilter(0.1, 0.5), np.zeros(3)
+    for time in np.arange(0.0, 10.0, 0.1):
+        position[:] = straight(time)
+        assert target.update(time, position)
+
+
 def test_an_old_position_that_is_sent_again_is_late():
     """Measured at 5 Hz, sent at 20 Hz, of a target that drives."""
     target = TargetFilter(0.1, 0.5)

@@ -310,7 +310,7 @@ def _horizontal(covariance: NDArray[np.float64]) -> float:
 
 
 def _vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    vector = np.asarray(values, dtype=float)
+    vector = np.array(values, dtype=float)  # of its own: the caller's may change
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise MeasurementError(f"{name} is {values!r}, must be three finite numbers")
     return vector
