@@ -150,6 +150,17 @@ def test_recording_changes_nothing(tmp_path):
             np.testing.assert_array_equal(one.inputs, other.inputs)
 
 
+def test_a_record_has_what_was_given_though_an_array_is_filled_anew(tmp_path):
+    path, position = tmp_path / "controller.jsonl", np.zeros(3)
+    controller = RecordingController(FLIGHT, path)
+    for east in (1.0, 2.0):
+        position[0] = east
+        controller.see_target(100.0 + east, position)
+    controller.close()
+    calls = [json.loads(line) for line in path.read_text().splitlines()[1:]]
+    assert [call["arguments"][1] for call in calls] == [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
+
+
 def test_a_difference_is_seen(flight, tmp_path):
     path, _ = flight
     lines = path.read_text().splitlines()

@@ -23,6 +23,7 @@ same commands on the same machine, as long as no solve runs out of time: that is
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import functools
 import json
@@ -106,7 +107,8 @@ class RecordingController(Controller):
         if len(self._calls) >= PENDING:
             self.flush()
         self._readings = []
-        call = {"call": name, "arguments": list(arguments), "named": named}
+        # As they are now: a caller may use an array again before it is written.
+        call = copy.deepcopy({"call": name, "arguments": list(arguments), "named": named})
         self._calls.append({**call, "stopwatch": self._readings})
         return self._calls[-1]
 
