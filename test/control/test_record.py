@@ -16,6 +16,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -190,6 +191,30 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ParameterError, match="'record' is .*, must be a file that can be written"):
         RecordingController(replace(FLIGHT, law="l1"), tmp_path / "file" / "record.jsonl")
+
+
+FULL = Path("/dev/full")  # a disk without room
+
+
+def test_a_disk_that_is_full_at_the_start_is_named():
+    with pytest.raises(ParameterError, match="'record' is '/dev/full', must be a file that can be"):
+        RecordingController(replace(FLIGHT, law="l1"), FULL)
+
+
+def test_a_flight_goes_on_where_its_record_cannot(tmp_path):
+    path = tmp_path / "record.jsonl"
+    controller = RecordingController(replace(FLIGHT, law="l1"), path)
+    flown = Flown(controller)
+    flown.fly(20)
+    controller.flush()
+    controller._file.close()
+    controller._file = FULL.open("w")
+    flown.fly(300)
+    assert flown.commands[-1] is not None
+    words = [event.words for event in controller.events.take()]
+    assert sum("the record ends, the flight goes on" in each for each in words) == 1
+    controller.close()
+    assert len(list(replay(path))) == 20
 
 
 @pytest.mark.parametrize("noise", [None, {"position": 3.0, "velocity": 0.1, "attitude": 0.01}])

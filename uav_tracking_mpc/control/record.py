@@ -23,13 +23,14 @@ same commands on the same machine, as long as no solve runs out of time: that is
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 import functools
 import json
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -39,6 +40,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError, SensorNoise
 from uav_tracking_mpc.formulation.formulation import Formulation, solver_as_told
@@ -78,28 +80,41 @@ class RecordingController(Controller):
 
         self._calls: list[dict[str, Any]] = []
         super().__init__(parameters, formulation, read)
+        header = {"version": __version__, "parameters": dataclasses.asdict(parameters)}
+        if self.formulation is not None:
+            header["solver"] = self.formulation.solver.name
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("w", encoding="utf-8")
+            self._write([header])
         except OSError as error:
             raise ParameterError(
                 f"parameter 'record' is {str(path)!r}, must be a file that can be written: {error}"
             ) from error
-        self._calls = [{"version": __version__, "parameters": dataclasses.asdict(parameters)}]
-        if self.formulation is not None:
-            self._calls[0]["solver"] = self.formulation.solver.name
-        self.flush()
+        self._calls = []  # those of the base while it is made are none
 
     def flush(self) -> None:
-        """Write the calls that are kept in memory."""
+        """Write the calls that are kept in memory; where that fails the record ends."""
         calls, self._calls = self._calls, []
-        self._file.writelines(json.dumps(call, default=_plain) + "\n" for call in calls)
-        self._file.flush()
+        if self._file.closed:
+            return
+        try:
+            self._write(calls)
+        except OSError as error:
+            self.events.add(Level.WARNING, f"the record ends, the flight goes on: {error}")
+            self._close()
 
     def close(self) -> None:
         """Write what is left and close the file."""
-        if not self._file.closed:
-            self.flush()
+        self.flush()
+        self._close()
+
+    def _write(self, calls: Iterable[dict[str, Any]]) -> None:
+        self._file.writelines(json.dumps(call, default=_plain) + "\n" for call in calls)
+        self._file.flush()
+
+    def _close(self) -> None:
+        with contextlib.suppress(OSError):  # it writes once more what could not be written
             self._file.close()
 
     def _note(self, name: str, arguments: Sequence[Any], named: dict[str, Any]) -> dict[str, Any]:
