@@ -217,6 +217,15 @@ def test_a_flight_goes_on_where_its_record_cannot(tmp_path):
     assert len(list(replay(path))) == 20
 
 
+def test_a_record_whose_last_line_is_torn_is_flown_up_to_there(flight, tmp_path):
+    path, commands = flight
+    torn = tmp_path / "torn.jsonl"
+    torn.write_text(path.read_text()[:-30])
+    steps = list(replay(torn))
+    assert len(steps) == len(commands) - 1
+    assert all(step.same for step in steps)
+
+
 @pytest.mark.parametrize("noise", [None, {"position": 3.0, "velocity": 0.1, "attitude": 0.01}])
 def test_a_record_of_0_2_is_flown_again(noise, tmp_path):
     """There the noise was unknown, or one number for all axes."""

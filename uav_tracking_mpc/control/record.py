@@ -214,7 +214,12 @@ def replay(path: Path) -> Iterator[ReplayedStep]:
             parameters, formulation, lambda: readings.pop(0) if readings else math.nan
         )
         for line in file:
-            call = json.loads(line)
+            try:
+                call = json.loads(line)
+            except ValueError:
+                if line.endswith("\n"):
+                    raise
+                return  # torn off as the process or its disk ended
             solver = call.pop("solver", solver)
             readings[:] = call.pop("stopwatch", ())
             recorded = call.pop("command", None)
