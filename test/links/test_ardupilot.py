@@ -86,6 +86,21 @@ def test_a_target_that_moves_is_still_ours(engaged):
     assert engaged.link.engaged
 
 
+def test_an_orbit_may_come_in_lists_or_in_one_array_that_is_filled_anew(engaged):
+    class InPlace(Planner):
+        def __init__(self, centre):
+            super().__init__(ORBIT._replace(centre=centre))
+
+        def answer(self, flown, measured):
+            self.orbit.centre[0] = 5.0 * flown.time
+            flown.link.command(measured.stamp, TURN, STEP, self.orbit)
+
+    for centre in ([0.0, 0.0, 120.0], np.array([0.0, 0.0, 120.0])):
+        engaged.fly(10.0, InPlace(centre))
+        assert engaged.link.engaged
+        assert abs(engaged.autopilot.core.loiter.east - 5.0 * engaged.time) < 40.0
+
+
 def test_another_program_that_asks_for_fewer_states_is_asked_against(engaged):
     engaged.fly(3.0)
     for name in ("GLOBAL_POSITION_INT", "ATTITUDE", "VFR_HUD"):

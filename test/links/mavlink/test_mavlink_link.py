@@ -244,4 +244,5 @@ def test_a_plan_that_cannot_be_flown_is_refused_in_words(dialect):
     link = flight(dialect).link
     level, now = np.zeros((2, 3)), link.now()
     assert "not finite" in link.command(now, level * math.nan, 0.5)
-    assert "must be finite" in link.command(now, level, 0.5, ORBIT._replace(radius=math.nan))
+    for orbit in (ORBIT._replace(radius=math.nan), ORBIT._replace(centre=np.zeros(2))):
+        assert "must be finite" in link.command(now, level, 0.5, orbit)

@@ -308,8 +308,12 @@ class MavlinkLink(VehicleLink):
         orbit: FlownOrbit | None = None,
     ) -> str:
         """See :meth:`VehicleLink.command`."""
-        if orbit is not None and not np.isfinite(np.hstack(orbit)).all():
-            return f"the orbit is {orbit}, must be finite"
+        if orbit is not None:
+            numbers = np.hstack(orbit)  # of its own: the caller's arrays may change
+            if numbers.shape != (8,) or not np.isfinite(numbers).all():
+                return f"the orbit is {orbit}, must be finite, with points of shape (3,)"
+            radius, airspeed = numbers[6:].tolist()
+            orbit = FlownOrbit(numbers[:3], numbers[3:6], radius, airspeed)
         now = self.now()
         with self._lock:
             try:
