@@ -22,11 +22,13 @@ import small_uav
 from hypothesis import given
 from hypothesis import strategies as st
 
+from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.guidance import HYSTERESIS, law_about, law_inputs, nearest_direction
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, DIRECTIONS
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws import GuidanceLaw
 from uav_tracking_mpc.laws.vector_field import VectorField
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 angles = st.floats(-math.pi, math.pi)
 
@@ -127,3 +129,27 @@ def test_a_law_that_fails_is_told_by_its_name():
     inputs, words = law_inputs(law_about(Broken, HELD.orbit, HELD), LOW)
     assert inputs is None
     assert "the law broken answered [nan" in words
+
+
+TABULATED = """
+from uav_tracking_mpc.laws.vector_field import VectorField
+
+class Tabulated(VectorField):
+    name = "tabulated"
+
+    def __init__(self, orbit, envelope):
+        super().__init__(orbit, envelope)
+        if orbit.range > 400.0:
+            raise KeyError("the table ends at 400 m")
+"""
+
+
+def test_a_law_that_cannot_be_made_for_an_orbit_refuses_it_as_a_whole(tmp_path):
+    (tmp_path / "law.py").write_text(TABULATED)
+    parameters = small_uav.parameters(f"law={tmp_path / 'law.py'}:Tabulated")
+    controller = Controller(parameters)
+    with pytest.raises(ParameterError, match="the law tabulated .*the table ends at 400 m"):
+        controller.change(range=450.0, airspeed=24.0)
+    assert controller.parameters is parameters
+    assert (controller.orbit.range, controller.orbit.speed) == (300.0, 22.0)
+    controller.change(range=350.0)

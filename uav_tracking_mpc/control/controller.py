@@ -161,11 +161,14 @@ class Controller:
             parameters: All of them.
 
         Raises:
-            ParameterError: A fixed one differs, or the orbit cannot be flown in the present drift.
+            ParameterError: A fixed one differs, or the orbit cannot be flown, by the law that is
+                asked for or in the present drift.
         """
         refuse_fixed(self.parameters, parameters)
         if self.formulation is not None:
             self.formulation.check(parameters)
+        if self._law_class is not None:
+            law_about(self._law_class, parameters.orbit, parameters)
         ground = self.navigator.target.height
         if refusal := parameters.envelope.refusal(parameters.orbit, self.drift, ground):
             raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")

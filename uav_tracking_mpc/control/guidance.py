@@ -142,8 +142,15 @@ def law_about(law: type[GuidanceLaw], orbit: Orbit, parameters: TrackingParamete
         law: Its class.
         orbit: What is flown.
         parameters: The envelope, and the model of the aircraft.
+
+    Raises:
+        ParameterError: It cannot be made for them.
     """
-    found, model = law(orbit, parameters.envelope), parameters.vehicle
+    try:
+        found, model = law(orbit, parameters.envelope), parameters.vehicle
+    except Exception as error:  # whatever it raises
+        words = f"{type(error).__name__}: {error}"
+        raise ParameterError(f"the law {law.name} cannot fly these parameters: {words}") from error
     return found if model.commanded == 3 else BankAlone(found, model)
 
 
