@@ -49,13 +49,16 @@ def test_nothing_flies_unless_somebody_engages_and_the_mode_is_there():
     assert [vehicle.tells(mode) for mode in ("LOITER", "OURS")] == [State.ASKING, State.ENGAGED]
 
 
-def test_asking_ends():
+@pytest.mark.parametrize("told", ["mode LOITER", "its mode"])
+def test_asking_ends_though_nothing_is_heard(told):
     vehicle = Vehicle()
-    vehicle.engagement.ask(0.0)
-    while vehicle.time <= PATIENCE:
+    if told != "its mode":
         vehicle.tells("LOITER")
+    vehicle.engagement.ask(vehicle.time)
+    assert not vehicle.engagement.asked_long_enough(vehicle.time + PATIENCE)
+    assert vehicle.engagement.asked_long_enough(vehicle.time + PATIENCE + 0.1)
     assert vehicle.engagement.state is State.IDLE
-    assert "stays in mode LOITER" in vehicle.events.take()[-1].words
+    assert f"stays in {told}" in vehicle.events.take()[-1].words
 
 
 @pytest.mark.parametrize("before", ["LOITER", "OURS"])

@@ -110,6 +110,20 @@ def test_a_pilot_who_takes_over_while_command_is_asked_for_keeps_the_aircraft(di
 
 
 @BOTH
+@pytest.mark.parametrize("phase", [0.4, 0.65])  # of requests and heartbeats
+def test_what_was_asked_for_into_a_dead_link_is_not_asked_for_after_it(dialect, phase):
+    flown = flight(dialect).fly(0.3)
+    assert flown.link.engage() == ""
+    fault = flown.autopilot.begin_fault("silence")
+    flown.fly(20.0 + phase)
+    flown.autopilot.pilot_mode("MANUAL")
+    flown.fly(0.3)
+    flown.autopilot.end_fault(fault)
+    flown.fly(4.0)
+    assert (flown.autopilot.core.mode, flown.link.engaged) == ("MANUAL", False)
+
+
+@BOTH
 @pytest.mark.parametrize("asked_for", ["command", "its end"])
 def test_what_nobody_acknowledges_is_not_asked_for_against_the_pilot(dialect, asked_for):
     flown = flight(dialect)

@@ -75,6 +75,18 @@ class Engagement:
         if self.state is not State.ENGAGED:
             self.state, self._since = State.ASKING, now
 
+    def asked_long_enough(self, now: float) -> bool:
+        """Whether asking ends here, for nothing: after :data:`PATIENCE`, whatever is heard.
+
+        Args:
+            now: Our time in [s].
+        """
+        if self.state is not State.ASKING or now - self._since <= PATIENCE:
+            return False
+        mode = "its mode" if self._told is None else f"mode {self._told[1]}"
+        self.give_up(f"the autopilot stays in {mode}")
+        return True
+
     def give_up(self, words: str) -> None:
         """Command nothing any more.
 
@@ -112,8 +124,7 @@ class Engagement:
         elif ours:
             self._enter(switched=before is not None and not before[0])
         elif self.state is State.ASKING and before in (None, self._told):
-            if now - self._since > PATIENCE:
-                self.give_up(f"the autopilot stays in mode {name}")
+            pass  # not yet
         elif self.state is State.ENGAGED and failsafe and was_silent:
             self.state = State.SUSPENDED
             self._events.add(

@@ -426,7 +426,10 @@ class MavlinkLink(VehicleLink):
     def _tend(self, now: float) -> None:
         """Send what is due."""
         with self._lock:
-            heard, state = self.heard, self.engagement.state
+            heard = self.heard
+            if self.engagement.asked_long_enough(now):
+                heard.requests.drop()
+            state = self.engagement.state
             heard.tend(now)
             if state is State.ASKING and heard.is_due("command", now, ASKING_PERIOD):
                 self.ask_for_command(now)
