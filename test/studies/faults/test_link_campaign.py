@@ -97,7 +97,7 @@ def test_rules_that_are_broken_are_seen(flight):
     send = flight.link.heard.connection.send
     send(set_point())
     assert broken(flight) == ["engaged"]
-    flight.link.engagement.ask(flight.link.now())
+    flight.link.engagement.ask(flight.link.now(), "LOITER")
     send(set_point(bank=1.2))
     send(set_point(bank=float("nan")))
     command = mavlink.MAV_CMD_COMPONENT_ARM_DISARM

@@ -59,21 +59,23 @@ class Engagement:
         self._since = -math.inf
         self._heard = math.inf
         self._back = self._told_at = -math.inf  # when a silence has ended, and a mode was told
-        self._told: tuple[bool, str] | None = None  # whether the mode told last is ours, its name
+        self._ours_before: bool | None = None
+        self._asked_in = ""  # name of the mode in which somebody engaged
 
     @property
     def commanding(self) -> bool:
         """Whether our commands fly."""
         return self.state is State.ENGAGED
 
-    def ask(self, now: float) -> None:
+    def ask(self, now: float, mode: str) -> None:
         """Somebody engages.
 
         Args:
             now: Our time in [s].
+            mode: Name of the mode that the autopilot is in.
         """
         if self.state is not State.ENGAGED:
-            self.state, self._since = State.ASKING, now
+            self.state, self._since, self._asked_in = State.ASKING, now, mode
 
     def asked_long_enough(self, now: float) -> bool:
         """Whether asking ends here, for nothing: after :data:`PATIENCE`, whatever is heard.
@@ -83,8 +85,7 @@ class Engagement:
         """
         if self.state is not State.ASKING or now - self._since <= PATIENCE:
             return False
-        mode = "its mode" if self._told is None else f"mode {self._told[1]}"
-        self.give_up(f"the autopilot stays in {mode}")
+        self.give_up(f"the autopilot stays in mode {self._asked_in}")
         return True
 
     def give_up(self, words: str) -> None:
@@ -117,13 +118,13 @@ class Engagement:
             armed: Whether the motor may run.
             failsafe: Whether the autopilot says that it is in one.
         """
-        before, self._told = self._told, (ours, name)
+        before, self._ours_before = self._ours_before, ours
         was_silent, self._told_at = self._told_at <= self._back, now
         if not armed:
             self.give_up("disarmed")
         elif ours:
-            self._enter(switched=before is not None and not before[0])
-        elif self.state is State.ASKING and before in (None, self._told):
+            self._enter(switched=before is False)
+        elif self.state is State.ASKING and name == self._asked_in:
             pass  # not yet
         elif self.state is State.ENGAGED and failsafe and was_silent:
             self.state = State.SUSPENDED

@@ -345,7 +345,8 @@ class MavlinkLink(VehicleLink):
                 refusals.append(self.refusal(self.orbit))
             if words := "; ".join(filter(None, refusals)):
                 return words
-            self.engagement.ask(self.now())
+            mode = self.mode_name(self._heard.heartbeat.custom_mode)  # that was looked at
+            self.engagement.ask(self.now(), mode)
         return ""
 
     def disengage(self) -> None:
