@@ -19,7 +19,7 @@ import re
 
 import numpy as np
 import pytest
-from stepped_flight import ORBIT, ByController, Nobody, engaged_flight, flight
+from stepped_flight import ORBIT, ByController, Nobody, Planner, engaged_flight, flight
 
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
@@ -152,6 +152,21 @@ def test_giving_command_back_sends_nothing_more(dialect):
     assert not flown.sent_after(at + 0.02)  # one may be under way
     core = flown.autopilot.core
     assert (core.mode, core.failsafe) == ({"ardupilot": "GUIDED", "px4": "LOITER"}[dialect], False)
+
+
+@BOTH
+def test_a_position_of_the_boot_before_that_comes_late_does_not_hold_up_those_of_this_one(dialect):
+    flown = flight(dialect).fly(3.0)
+    latest = flown.link.heard.latest
+    late = [bytes(latest[kind].get_msgbuf()) for kind in ("ATTITUDE", "GLOBAL_POSITION_INT")]
+    flown.autopilot.restart()
+    flown.fly(1.0)
+    assert flown.link.values()["restarts"] == 1
+    for frame in late:
+        flown.autopilot.radio.relay(frame)
+    planner = Planner()
+    flown.fly(1.0, planner)
+    assert planner.states > 40
 
 
 @BOTH

@@ -76,8 +76,7 @@ class VehicleSighting:
             return
         if not math.isfinite(altitude + sum(velocity)) or message.lat == message.lon == 0:
             return
-        self._clock.see_stamp(time, arrival)
-        if self._clock.offset is None:
+        if not self._clock.see_stamp(time, arrival):
             return
         position = frame.position(message.lat * DEGREE_SCALE, message.lon * DEGREE_SCALE, altitude)
         stamp = min(self._clock.ours(time), arrival)
@@ -316,9 +315,10 @@ class Listener:
         """Take in a message of the autopilot."""
         kind = message.get_type()
         self.latest[kind] = message
+        of_this_boot = True
         if hasattr(message, "time_boot_ms"):
             restarts = self.clock.restarts
-            self.clock.see_stamp(message.time_boot_ms * 1e-3, arrival)
+            of_this_boot = self.clock.see_stamp(message.time_boot_ms * 1e-3, arrival)
             if self.clock.restarts != restarts:
                 self._restarted()
         if kind == "HEARTBEAT":
@@ -332,7 +332,7 @@ class Listener:
         elif kind == "STATUSTEXT":
             level = Level.WARNING if message.severity <= SEVERE else Level.INFO
             self._events.add(level, f"autopilot: {message.text}")
-        elif (measurement := self.telemetry.see(message, arrival)) is not None:
+        elif of_this_boot and (measurement := self.telemetry.see(message, arrival)) is not None:
             self._counted += 1
             if arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)

@@ -104,15 +104,18 @@ class AutopilotClock:
         self.offset: float | None = None
         self.jitter = self.delay = 0.0
 
-    def see_stamp(self, stamp: float, arrival: float) -> None:
+    def see_stamp(self, stamp: float, arrival: float) -> bool:
         """Take in the stamp of telemetry.
 
         Args:
             stamp: Autopilot's time since its boot in [s].
             arrival: Our time in [s].
+
+        Returns:
+            Whether it is of this boot, as far as is known: of another one nothing is to be used.
         """
         if not (math.isfinite(stamp) and math.isfinite(arrival)):
-            return
+            return False
         seen = stamp - arrival
         # However late telemetry is, its stamps go on; those of another boot begin anew.
         ahead = self.offset is not None and seen - self.offset > AHEAD
@@ -120,12 +123,13 @@ class AutopilotClock:
             alike = [other for other in self._doubts if abs(other - stamp) <= AHEAD]
             self._doubts = [*alike, stamp]
             if len(self._doubts) < WITNESSES:
-                return
+                return False
             self.restarts += 1
             self.forget()
         self._doubts, self._newest = [], max(self._newest, stamp)
         if not self._trips:
             self.offset = seen if self.offset is None else max(self.offset, seen)
+        return True
 
     def see_answer(self, sent: float, answered: float, arrival: float) -> None:
         """Take in an answer to a round trip.
