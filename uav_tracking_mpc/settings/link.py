@@ -55,7 +55,7 @@ class LinkParameters(FrameParameters):
     )
     system: int = parameter(
         0,
-        "MAVLink system of the autopilot; 0 for the first that is heard.",
+        "MAVLink system of the autopilot; 0 for the first that is heard, but target_system.",
         lower=0,
         upper=255,
         fixed=True,

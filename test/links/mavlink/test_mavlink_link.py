@@ -21,9 +21,13 @@ import numpy as np
 import pytest
 from stepped_flight import ORBIT, ByController, Nobody, Planner, engaged_flight, flight
 
+from uav_tracking_mpc.autopilot.simulated_autopilot import SteppedAutopilot
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.links import VEHICLE_LINK
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.findings import position_refusal
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.settings.link import LinkParameters
 
 OURS = {"ardupilot": "GUIDED", "px4": "OFFBOARD"}
 BOTH = pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
@@ -152,6 +156,17 @@ def test_giving_command_back_sends_nothing_more(dialect):
     assert not flown.sent_after(at + 0.02)  # one may be under way
     core = flown.autopilot.core
     assert (core.mode, core.failsafe) == ({"ardupilot": "GUIDED", "px4": "LOITER"}[dialect], False)
+
+
+@BOTH
+def test_the_vehicle_to_circle_is_not_taken_for_the_aircraft_though_it_is_heard_first(dialect):
+    autopilot = SteppedAutopilot(dialect, load_configuration("small_uav"))
+    rover = mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_GROUND_ROVER, 3, 217, 15, 4, 3)
+    autopilot.radio.relay(bytes(rover.pack(mavlink.MAVLink(None, 9, 1))))
+    parameters = LinkParameters(link=dialect, target_system=9)
+    link = VEHICLE_LINK.find(dialect)(parameters=parameters, connection=autopilot.connection)
+    with link:
+        assert link.inspect().found["system"] == "1"
 
 
 @BOTH

@@ -230,6 +230,7 @@ class Listener:
                     continue
                 system = message.get_srcSystem()
                 wanted = self._parameters.system in (0, system)
+                wanted = wanted and system != self._parameters.target_system
                 if wanted and message.autopilot != mavlink.MAV_AUTOPILOT_INVALID:
                     self._accept(message, system, autopilot)
                 else:
