@@ -155,6 +155,20 @@ def test_what_was_told_into_a_dead_link_is_told_again(engaged):
     assert engaged.autopilot.core.state.up == pytest.approx(higher.centre[2], abs=1.0)
 
 
+def test_the_answer_to_a_ground_station_is_none_to_us(engaged):
+    engaged.fly(2.0)
+    higher = ORBIT._replace(centre=ORBIT.centre + np.array([0.0, 0.0, 30.0]))
+    fault = engaged.autopilot.begin_fault("deaf")
+    engaged.fly(0.2, Planner(higher))
+    command, accepted = Cmd.GUIDED_CHANGE_ALTITUDE, Result.ACCEPTED
+    answer = mavlink.MAVLink_command_ack_message(command, accepted, 0, 0, 255, 190)
+    engaged.autopilot.radio.send(answer)
+    engaged.fly(0.2, Planner(higher))
+    engaged.autopilot.end_fault(fault)
+    engaged.fly(25.0, Planner(higher))
+    assert engaged.autopilot.core.state.up == pytest.approx(higher.centre[2], abs=1.0)
+
+
 def test_a_restart_of_the_autopilot_gives_command_back(engaged):
     engaged.fly(2.0)
     engaged.autopilot.restart()

@@ -321,6 +321,15 @@ class Connection:
         if self._wire is not None:
             self._wire.mav.srcSystem = system
 
+    def is_ours(self, message: Any) -> bool:
+        """Whether a message with a target is for us, and not for another program on this wire.
+
+        Args:
+            message: Whose target is 0 where its sender tells none.
+        """
+        ours = message.target_system in (0, self._system)
+        return ours and message.target_component in (0, self._component)
+
     @property
     def boot_time(self) -> int:
         """Since this end exists, in [ms]: what the autopilot is told as the time of a message."""

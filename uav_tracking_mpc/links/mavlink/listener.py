@@ -329,7 +329,8 @@ class Listener:
                 answered = message.tc1 % STAMPS_WRAP  # so do the stamps of all other messages
                 self.clock.see_answer(message.ts1 * 1e-9, answered * 1e-9, arrival)
         elif kind == "COMMAND_ACK":
-            self.requests.see(message, arrival)
+            if self.connection.is_ours(message):
+                self.requests.see(message, arrival)
         elif kind == "STATUSTEXT":
             level = Level.WARNING if message.severity <= SEVERE else Level.INFO
             self._events.add(level, f"autopilot: {message.text}")
