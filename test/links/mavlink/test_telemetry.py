@@ -187,6 +187,12 @@ def test_a_repeated_or_overtaken_position_makes_no_measurement():
     assert flown(heard, position(100.9, (0, 0, 100))) is None
 
 
+def test_an_overtaken_attitude_does_not_come_in_place_of_the_later_one():
+    heard = telemetry(HOME)
+    flown(heard, attitude(101.0, roll=0.3), attitude(100.9, roll=-0.2))
+    assert (heard.attitude.time, heard.attitude.roll) == pytest.approx((101.0, 0.3))
+
+
 def test_the_wind_is_where_it_blows_to():
     heard = telemetry()
     for message, wind in (

@@ -317,8 +317,9 @@ class Telemetry:
     def _see_attitude(self, message: Any, arrival: float) -> None:
         rates = (message.rollspeed, message.pitchspeed, message.yawspeed)
         values = (message.roll, message.pitch, message.yaw, *rates)
-        if all(map(math.isfinite, values)) and abs(message.pitch) < STEEPEST:
-            time = message.time_boot_ms * 1e-3
+        time = message.time_boot_ms * 1e-3
+        newest = -math.inf if self.attitude is None else self.attitude.time
+        if time >= newest and all(map(math.isfinite, values)) and abs(message.pitch) < STEEPEST:
             self.attitude = Attitude(time, message.roll, message.pitch, message.yaw, rates)
             if (airspeed := self.airspeed or 0.0) >= LEAST_AIRSPEED:
                 by_bank = turn_rate_from_bank(message.roll, airspeed)
