@@ -193,6 +193,17 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path):
         RecordingController(replace(FLIGHT, law="l1"), tmp_path / "file" / "record.jsonl")
 
 
+def test_what_was_refused_does_not_keep_the_rest_from_being_written(tmp_path):
+    path = tmp_path / "record.jsonl"
+    controller = RecordingController(replace(FLIGHT, law="l1"), path)
+    with pytest.raises(ParameterError):
+        controller.change(range={300.0})
+    flown = Flown(controller)
+    flown.fly(20)
+    controller.close()
+    assert [step.same for step in replay(path)] == [True] * 20
+
+
 FULL = Path("/dev/full")  # a disk without room
 
 

@@ -289,4 +289,6 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, np.generic):
         return value.item()
-    return dataclasses.asdict(value)
+    if isinstance(value, Measurement):
+        return dataclasses.asdict(value)
+    return repr(value)  # nothing that is taken: it was refused, and will be
