@@ -17,7 +17,14 @@
 import pytest
 
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.benchmark.node_latency import node_latency, watched_latency
+
+pytest.importorskip("rclpy")
+
+from uav_tracking_mpc.studies.benchmark.node_latency import (
+    RoundTrips,
+    node_latency,
+    watched_latency,
+)
 
 FAST = ["nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0"]
 
@@ -50,8 +57,6 @@ def test_states_are_answered_and_the_echo_by_as_many_commands(configuration):
 
 @pytest.mark.nodes
 def test_a_command_counts_for_the_state_that_was_sent_last():
-    from uav_tracking_mpc.studies.benchmark.timed_processes import RoundTrips  # needs ROS
-
     trips = RoundTrips()
     trips.send(1)
     trips.send(2)

@@ -18,7 +18,6 @@
 ``benchmark_study``  solvers timed on the problems that are flown, a sweep over the horizon
 ``optimality``       cost and KKT residual of a plan, whoever found it
 ``start_timing``     from the start of a process to its first optimal plan
-``node_latency``     three real nodes, from a state to its command
-``timed_processes``  controller and simulator of these, with an echo and a page beside them
+``node_latency``     three real nodes, from a state to its command, beside an echo or a page
 ===================  ====================================================================
 """
