@@ -305,7 +305,7 @@ def _report(recorded: dict[str, Any], found: dict[str, Any]) -> Iterator[tuple[s
         unlike = sorted(differences(*pair), key=lambda each: -each.size)
         beyond = [each for each in unlike if each.size > 1.0]
         if beyond and name in recorded and name in found and _can_begin_beside(name):
-            twins = parallel_map(_twin, [(name, each) for each in BESIDE], WORKERS, name)
+            twins = parallel_map(record, [(name, each) for each in BESIDE], WORKERS, name)
             beyond = amplified(beyond, {name: found[name]}, [{name: twin} for twin in twins])
             if not beyond:
                 yield f"as other begins change it  {_in_short(unlike)}", False
@@ -318,10 +318,6 @@ def _report(recorded: dict[str, Any], found: dict[str, Any]) -> Iterator[tuple[s
 def _can_begin_beside(name: str) -> bool:
     """Whether a record is of a flight that is simulated here."""
     return name.split(": ")[0] in CONFIGURATIONS and not name.endswith(": simulate")
-
-
-def _twin(task: tuple[str, float]) -> Any:
-    return record(*task)
 
 
 def _in_short(unlike: list[Difference]) -> str:
@@ -346,7 +342,8 @@ def main(arguments: Sequence[str]) -> int:
     recorded, flown = _read(), [name for name in names() if wanted(name)]
     if not flown:
         parser.error(f"no record's name holds {' or '.join(asked.parts)}; one is {names()[0]}")
-    found = dict(zip(flown, parallel_map(record, flown, WORKERS, "golden"), strict=True))
+    records = parallel_map(record, [(name,) for name in flown], WORKERS, "golden")
+    found = dict(zip(flown, records, strict=True))
     failed = [name for name, content in found.items() if RAISED in content]
     if asked.record and failed:
         print("\n".join(f"{name}: {found[name][RAISED]}" for name in failed))

@@ -23,17 +23,17 @@ from uav_tracking_mpc.studies.executors import parallel_map
 @pytest.mark.parametrize("workers", [1, 2])
 def test_results_are_in_order_and_one_worker_stays_in_this_process(workers):
     """``/proc/self`` is a link to the process that looks at it."""
-    pieces = range(30)
-    found = parallel_map(math.factorial, pieces, workers, show=False)
-    assert found == [math.factorial(piece) for piece in pieces]
-    assert parallel_map(math.factorial, [], workers, show=False) == []
-    processes = parallel_map(os.path.realpath, ["/proc/self"] * 2, workers, show=False)
+    pieces = [(n, k) for n in range(10) for k in range(3)]
+    found = parallel_map(math.comb, pieces, workers, show=False)
+    assert found == [math.comb(n, k) for n, k in pieces]
+    assert parallel_map(math.comb, [], workers, show=False) == []
+    processes = parallel_map(os.path.realpath, [("/proc/self",)] * 2, workers, show=False)
     assert (f"/proc/{os.getpid()}" in processes) is (workers == 1)
 
 
 def test_what_a_piece_raises_reaches_the_caller():
     with pytest.raises(ValueError, match="nonnegative|not defined for negative"):
-        parallel_map(math.factorial, [3, -1], workers=2, show=False)
+        parallel_map(math.factorial, [(3,), (-1,)], workers=2, show=False)
 
 
 def interrupted_at_three(piece):
@@ -45,7 +45,7 @@ def interrupted_at_three(piece):
 def test_what_was_done_before_an_interruption_is_kept_and_the_bar_goes_to_stderr(capsys):
     done = []
     with pytest.raises(KeyboardInterrupt):
-        parallel_map(interrupted_at_three, range(6), 1, "numbers", done=done)
+        parallel_map(interrupted_at_three, [(k,) for k in range(6)], 1, "numbers", done=done)
     assert done == [0, 1, 2]
     found = capsys.readouterr()
     assert found.out == ""

@@ -24,8 +24,8 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
-from functools import partial
-from typing import TypeVar
+from itertools import starmap
+from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.progress import track
@@ -33,6 +33,8 @@ from rich.progress import track
 S = TypeVar("S")
 P = TypeVar("P")
 R = TypeVar("R")
+
+Pieces = Sequence[tuple[Any, ...]]  # arguments of each call; they must pickle
 
 LOCAL_BATCH = 4  # flights: no more is lost when this process is killed
 CLUSTER_BATCH = 25  # flights: a minute of work, beside which a message is nothing
@@ -71,19 +73,19 @@ class LocalExecutor:
         Raises:
             WorkerError: A worker was lost.
         """
-        return self.map(partial(work, shared), batches, as_completed)
+        return self.map(work, [(shared, batch) for batch in batches], as_completed)
 
     def map(
         self,
-        work: Callable[[P], R],
-        pieces: Sequence[P],
+        work: Callable[..., R],
+        pieces: Pieces,
         order: Callable[[list[Future[R]]], Iterable[Future[R]]] = iter,
     ) -> Generator[R, None, None]:
         """What came of each piece.
 
         Args:
             work: At module level, so that processes can find it.
-            pieces: Its arguments; they must pickle.
+            pieces: Its arguments.
             order: Of the results: by default that of the pieces.
 
         Raises:
@@ -91,14 +93,14 @@ class LocalExecutor:
         """
         workers = min(self.workers, len(pieces))
         if workers < 2:
-            yield from map(work, pieces)
+            yield from starmap(work, pieces)
             return
         # spawn: a fork would copy whatever threads the caller has running.
         context = multiprocessing.get_context("spawn")
         others = set(multiprocessing.active_children())
         pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
         try:
-            for future in order([pool.submit(work, piece) for piece in pieces]):
+            for future in order([pool.submit(work, *piece) for piece in pieces]):
                 yield future.result()
         except BrokenProcessPool as error:
             raise WorkerError(
@@ -131,18 +133,18 @@ def _end_with_parent() -> None:
 
 
 def parallel_map(
-    function: Callable[[P], R],
-    pieces: Sequence[P],
+    function: Callable[..., R],
+    pieces: Pieces,
     workers: int | None = None,
     label: str = "",
     show: bool = True,
     done: list[R] | None = None,
 ) -> list[R]:
-    """Apply a function to every piece in processes of this machine.
+    """Call a function with every piece in processes of this machine.
 
     Args:
         function: At module level, so that processes can find it.
-        pieces: Its arguments; they must pickle.
+        pieces: Its arguments.
         workers: Processes; one for each core by default; 1 stays in this process.
         label: What the progress bar on stderr says.
         show: Whether to show it.
@@ -208,7 +210,7 @@ class DaskExecutor:
 
         client = self._client
         # A task and not scattered data, which would be lost with the workers that hold it.
-        task = client.submit(_itself, shared, pure=False)
+        task = client.submit(lambda: shared, pure=False)
         # A batch whose worker dies is done again by another: nothing of it has come back.
         pending = [client.submit(work, task, batch, pure=False) for batch in batches]
         try:
@@ -221,10 +223,6 @@ class DaskExecutor:
     def close(self) -> None:
         """Let go of the cluster, which stays."""
         self._client.close()
-
-
-def _itself(shared: S) -> S:
-    return shared
 
 
 Executor = LocalExecutor | DaskExecutor

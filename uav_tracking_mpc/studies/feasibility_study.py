@@ -221,8 +221,7 @@ def _formulation(parameters: TrackingParameters) -> FlightFormulation:
     return FlightFormulation(parameters)
 
 
-def _fly(task: tuple[TrackingParameters, Situation, int]) -> Row:
-    parameters, situation, steps = task
+def _fly(parameters: TrackingParameters, situation: Situation, steps: int) -> Row:
     formulation = _formulation(parameters)
     start = flight_start(formulation, situation)
     loop = solutions(formulation.solver, start.state, start.parameters, start.guess)

@@ -33,7 +33,7 @@ QUICK = ("nmpc_controller.law=l1",)  # needs no solver
 
 
 def test_what_is_drawn_depends_on_the_seed_alone():
-    one, other, another = (drawn(("small_uav", (), seed)) for seed in (3, 3, 4))
+    one, other, another = (drawn("small_uav", (), seed) for seed in (3, 3, 4))
     np.testing.assert_equal(one[1], other[1])
     assert one[0].controller == other[0].controller
     assert np.all(another[1]["lag"] != one[1]["lag"])
@@ -41,7 +41,7 @@ def test_what_is_drawn_depends_on_the_seed_alone():
 
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_drawn_is_flown_and_told_wrong(seed):
-    configuration, truth = drawn(("small_uav", (), seed))
+    configuration, truth = drawn("small_uav", (), seed)
     simulator, controller = configuration.simulator, configuration.controller
     np.testing.assert_array_equal(simulator.rate_lag, truth["lag"])
     np.testing.assert_array_equal(simulator.dead_time, truth["dead_time"])

@@ -221,7 +221,7 @@ def compare(
     """
     labels = law_labels(laws)
     several = {name: variants(each, name) for name, each in configurations.items()}
-    tasks = [prepared(each, law) for all in several.values() for law in laws for each in all]
+    tasks = [(prepared(each, law),) for all in several.values() for law in laws for each in all]
     logs: list[FlightLog] = []
     try:
         parallel_map(simulate, tasks, workers, "flights", show, logs)

@@ -54,13 +54,13 @@ NEAR = {"total": (0.03, 0.05), "lag": (0.06, 0.15), "dead_time": (0.06, 0.15)}
 NOISE = {"velocity_noise": 0.3, "attitude_noise": math.radians(0.5), "airspeed_noise": 0.3}
 
 
-Flight = tuple[str, tuple[str, ...], int]  # configuration, overrides, seed of what is drawn
 Row = dict[str, dict[str, float]]  # of a channel, by the names of Estimates: truth and estimate
 
 
-def drawn(flight: Flight) -> tuple[Configuration, dict[str, NDArray[np.float64]]]:
-    """The configuration of a flight, and what is to be found of its channels, by name."""
-    config, overrides, seed = flight
+def drawn(
+    config: str, overrides: tuple[str, ...], seed: int
+) -> tuple[Configuration, dict[str, NDArray[np.float64]]]:
+    """The configuration of a flight with what a seed draws; what is to be found, by name."""
     random = np.random.default_rng(seed)
     shortest, longest = np.log(LAG).tolist()
     lag = np.exp(random.uniform(shortest, longest, 3))
@@ -86,9 +86,9 @@ def drawn(flight: Flight) -> tuple[Configuration, dict[str, NDArray[np.float64]]
     return drawn_configuration, truth
 
 
-def fly(flight: Flight) -> dict[str, Row]:
+def fly(config: str, overrides: tuple[str, ...], seed: int) -> dict[str, Row]:
     """Fly and identify: a row for each channel."""
-    configuration, truth = drawn(flight)
+    configuration, truth = drawn(config, overrides, seed)
     witness = FlightWitness()
     simulate(configuration, witness=witness)
     found = identify(_used(witness.record()).channels())

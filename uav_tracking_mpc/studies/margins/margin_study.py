@@ -172,9 +172,8 @@ def flown_loops(
     return loops
 
 
-def _commands(task: tuple[Configuration, Disturbance]) -> NDArray[np.float64]:
+def _commands(configuration: Configuration, disturbance: Disturbance) -> NDArray[np.float64]:
     """Commands of a flight from the disturbance on, shape (n, 3)."""
-    configuration, disturbance = task
     log = simulate(configuration, disturbance=disturbance)
     return log.inputs[log.command_time >= SETTLED - ROUNDING]
 

@@ -212,9 +212,8 @@ def _with_margins(
     )
 
 
-def _fly(task: tuple[str, str, tuple[str, ...]]) -> Measures | None:
+def _fly(config: str, name: str, overrides: tuple[str, ...]) -> Measures | None:
     """Measures of a flight; None where it came to nothing."""
-    config, name, overrides = task
     overrides = (*overrides, f"mission.duration={DURATION:g}")
     configuration = prepared(mismatched(config, name, overrides), PREDICTIVE)
     try:

@@ -128,9 +128,10 @@ def attraction_map(
     }
 
 
-def _solve_row(row: tuple[StabilityProblem, float | None, NDArray[np.float64]]) -> list[float]:
+def _solve_row(
+    problem: StabilityProblem, level: float | None, states: NDArray[np.float64]
+) -> list[float]:
     """Costs along a row, nan where no plan was found: forwards, then backwards over the gaps."""
-    problem, level, states = row
     solver = NewtonSolver(tracking_problem(problem, level))
     starts = [tracking_error(state, problem.orbit) for state in states]
     costs = [_cheapest(solver, start) for start in starts]
@@ -268,10 +269,9 @@ def fly_nmpc(
 
 
 def _fly_piece(
-    piece: tuple[StabilityProblem, float, NDArray[np.float64], int],
+    problem: StabilityProblem, level: float, states: NDArray[np.float64], step_limit: int
 ) -> list[dict[str, Any]]:
     """Of each flight its solves, whether what is excluded happened, and the largest V_f."""
-    problem, level, states, step_limit = piece
     weight = problem.ingredients().weight
     lower, upper = problem.deviation_bounds()
     solver = NewtonSolver(tracking_problem(problem, level))
