@@ -24,6 +24,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.options import add_domain_argument
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.nodes.watching import SteeringRequests
@@ -143,8 +144,6 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         ParameterError: It was refused.
     """
-    from uav_tracking_mpc.parameters.specification import ParameterError
-
     with flight_requests(arguments, switches=(CONTROLLER, LINK, SIMULATOR)) as requests:
         # Either may be found first; without a link or a simulator a stranger flies.
         appears(

@@ -40,6 +40,7 @@ from uav_tracking_mpc.cli.options import (
 )
 from uav_tracking_mpc.cli.program import answer
 from uav_tracking_mpc.cli.view import check_page
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -92,7 +93,6 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
     from uav_tracking_mpc.launch.flight import BrokenFlightError, launch
-    from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
 
     console, link = Console(stderr=True), arguments.link is not None

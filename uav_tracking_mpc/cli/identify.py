@@ -21,6 +21,7 @@ from pathlib import Path
 
 from uav_tracking_mpc.cli.options import add_configuration_arguments, add_output_arguments, number
 from uav_tracking_mpc.cli.program import publish
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 HELP = "lag, dead time, gain and limits of an aircraft, from a recorded flight"
 DESCRIPTION = (
@@ -72,8 +73,6 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         ParameterError: Neither a record nor a validation is asked for, or the record is none.
     """
-    from uav_tracking_mpc.parameters.specification import ParameterError
-
     if (arguments.record is None) == (arguments.validate is None):
         raise ParameterError("identify needs either a bag or CSV file, or --validate N")
     if arguments.record is not None and not arguments.record.exists():

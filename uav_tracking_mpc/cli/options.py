@@ -24,6 +24,9 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from uav_tracking_mpc.parameters.registry import ExtensionError, names_of
+from uav_tracking_mpc.parameters.specification import ParameterError, specifications
+
 if TYPE_CHECKING:
     from uav_tracking_mpc.launch.preflight import Preflight
     from uav_tracking_mpc.settings.configuration import Configuration
@@ -67,7 +70,6 @@ def add_mission_arguments(
         plant: Parameter that ``--plant`` sets, as ``SECTION.PARAMETER``.
         without: Parameters of the mission that have no effect there, and hence no option.
     """
-    from uav_tracking_mpc.parameters.specification import specifications
     from uav_tracking_mpc.settings.configuration import MissionParameters, scenario_names
 
     add_configuration_arguments(parser)
@@ -137,8 +139,6 @@ def told_page_arguments(arguments: argparse.Namespace) -> list[str]:
     Raises:
         ParameterError: There are some, but no page.
     """
-    from uav_tracking_mpc.parameters.specification import ParameterError
-
     words = []
     for name in ("host", "port"):
         if (value := getattr(arguments, name)) is not None:
@@ -318,8 +318,6 @@ def chosen_overrides(arguments: argparse.Namespace, scenario: str | None = None)
 def _add_extension(
     parser: argparse.ArgumentParser, name: str, parameter: str, room: str, point: str, words: str
 ) -> None:
-    from uav_tracking_mpc.parameters.registry import ExtensionError, names_of
-
     room = f"uav_tracking_mpc.{room}"
 
     def found(text: str) -> str:
@@ -386,8 +384,6 @@ def add_link_arguments(parser: argparse.ArgumentParser, flown: bool) -> None:
         parser: Gets the options.
         flown: Whether it is to fly, not only to be looked at.
     """
-    from uav_tracking_mpc.parameters.registry import names_of
-
     names = [name for name in names_of("uav_tracking_mpc.links") if name != "simulated"]
     words = "fly a real autopilot" if flown else "autopilot to look at"
 
@@ -439,8 +435,6 @@ def check_link_arguments(arguments: argparse.Namespace) -> None:
     Raises:
         ParameterError: They do.
     """
-    from uav_tracking_mpc.parameters.specification import ParameterError
-
     if arguments.simulated and arguments.connection is not None:
         raise ParameterError("--simulated has a connection of its own: leave --connection out")
     if arguments.link is None:

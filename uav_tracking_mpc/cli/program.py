@@ -35,7 +35,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from uav_tracking_mpc.parameters.registry import did_you_mean, names_of
-from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.parameters.specification import ParameterError, specifications
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.studies.study import Study
@@ -286,7 +286,6 @@ def settings(prefix: str) -> Iterator[str]:
     Args:
         prefix: What is typed so far.
     """
-    from uav_tracking_mpc.parameters.specification import specifications
     from uav_tracking_mpc.settings.configuration import SECTIONS
 
     name, equals, _ = prefix.partition("=")

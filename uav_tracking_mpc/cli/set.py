@@ -20,6 +20,8 @@ import argparse
 from functools import partial
 
 from uav_tracking_mpc.cli.engage import add_flight_arguments, appears, flight_requests
+from uav_tracking_mpc.parameters.registry import did_you_mean
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 HELP = "change parameters of a flight that is under way"
 DESCRIPTION = (
@@ -57,8 +59,6 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         ParameterError: One was refused.
     """
-    from uav_tracking_mpc.parameters.registry import did_you_mean
-    from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.settings.configuration import SECTIONS, Sections, override
 
     nodes: Sections = {section: {} for section in SECTIONS if section != "mission"}

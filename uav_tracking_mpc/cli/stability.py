@@ -29,6 +29,7 @@ from uav_tracking_mpc.cli.options import (
     number,
 )
 from uav_tracking_mpc.cli.program import answer, publish
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.settings.configuration import Configuration
@@ -109,7 +110,6 @@ def _verify(arguments: argparse.Namespace) -> int:
 
 def _guaranteed(arguments: argparse.Namespace, configuration: Configuration) -> Study:
     """The problem has no ellipsoid: say what is guaranteed, and fly random states."""
-    from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.studies.feasibility_study import feasibility_study
 
     for option in ("design", "maps", "figures"):

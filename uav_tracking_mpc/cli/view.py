@@ -30,6 +30,7 @@ from uav_tracking_mpc.cli.options import (
     add_page_arguments,
     chosen_configuration,
 )
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.view.page import Page
@@ -78,7 +79,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _recorded(arguments: argparse.Namespace) -> FlightSource:
-    from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.view.recorded_source import RecordedSource
 
     if arguments.config is None and arguments.overrides:
