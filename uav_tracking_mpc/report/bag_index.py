@@ -56,8 +56,6 @@ LITTLE, BIG = struct.Struct("<iI"), struct.Struct(">iI")
 # What a reader says of bytes that are no such record: zstandard and lz4 have errors of their own.
 BROKEN = Exception
 
-Message = tuple[str, str, str, int, bytes]
-
 
 class Place(NamedTuple):
     """Where a message lies.
@@ -129,21 +127,14 @@ class Bag:
         }
         for channel in ours.values():
             self.kinds[channel.topic] = summary.schemas[channel.schema_id].name
+        read = {
+            k: each.topic
+            for k, each in ours.items()
+            if self._names is None or name_of(each.topic, self._names) is not None
+        }
         for index in summary.chunk_indexes:
-            held = {k: ours[k].topic for k in index.message_index_offsets if k in ours}
-            read = {k: topic for k, topic in held.items() if self._reads(topic)}
-            yield _Chunk(file, index, read)
-
-    def topic(self, name: str) -> BagTopic:
-        """Messages of a topic.
-
-        Args:
-            name: Absolute.
-        """
-        return BagTopic(self, name)
-
-    def _reads(self, topic: str) -> bool:
-        return self._names is None or name_of(topic, self._names) is not None
+            held = {k: read[k] for k in index.message_index_offsets if k in read}
+            yield _Chunk(file, index, held)
 
     def _unpack(self, number: int) -> dict[str, _Messages]:
         """Messages of a chunk by topic; none where it is damaged, which is logged."""
@@ -316,7 +307,7 @@ def _opened(part: Path) -> tuple[IO[bytes], Summary]:
             return file, summary
         with file:
             file.seek(0)
-            return _copy(_walked(file))
+            return _copy(file)
     except (BagError, OSError):
         raise
     except BROKEN as error:
@@ -350,25 +341,19 @@ def _leads_everywhere(summary: Summary) -> bool:
     return bool(stated) and described and all(s and s <= summary.channels.keys() for s in stated)
 
 
-def _walked(file: IO[bytes]) -> Iterator[Message]:
-    """Topic, type, encoding, time heard in [ns] and content of each message, in any order."""
-    for schema, channel, message in NonSeekingReader(file).iter_messages(log_time_order=False):
-        kind = "" if schema is None else schema.name
-        yield channel.topic, kind, channel.message_encoding, message.log_time, message.data
-
-
-def _copy(messages: Iterator[Message]) -> tuple[IO[bytes], Summary]:
-    """Messages in a temporary file that states where each of them lies."""
-    file = tempfile.TemporaryFile()  # noqa: SIM115, closed with its bag
-    writer = Writer(file, compression=CompressionType.NONE)
+def _copy(file: IO[bytes]) -> tuple[IO[bytes], Summary]:
+    """The messages in a temporary file that states where each of them lies."""
+    copy = tempfile.TemporaryFile()  # noqa: SIM115, closed with its bag
+    writer = Writer(copy, compression=CompressionType.NONE)
     writer.start()
     channels: dict[tuple[str, str], int] = {}
-    for topic, kind, encoding, heard, data in messages:
-        if (topic, kind) not in channels:
-            schema = writer.register_schema(kind, "", b"")
-            channels[topic, kind] = writer.register_channel(topic, encoding, schema)
-        writer.add_message(channels[topic, kind], heard, data, heard)
+    for schema, channel, message in NonSeekingReader(file).iter_messages(log_time_order=False):
+        key = channel.topic, "" if schema is None else schema.name
+        if key not in channels:
+            kind = writer.register_schema(key[1], "", b"")
+            channels[key] = writer.register_channel(key[0], channel.message_encoding, kind)
+        writer.add_message(channels[key], message.log_time, message.data, message.log_time)
     writer.finish()
-    summary = _summary(file)
+    summary = _summary(copy)
     assert summary is not None, "its writer states it"
-    return file, summary
+    return copy, summary
