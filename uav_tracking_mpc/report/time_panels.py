@@ -67,17 +67,6 @@ def finish(axes: Axes, title: str, label: str, low: float, high: float) -> None:
         axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
 
 
-def share_time(axes: Axes, log: FlightLog) -> None:
-    """Limits and ticks of an axis of time.
-
-    Args:
-        axes: One of those that share it.
-        log: Record of the flight.
-    """
-    axes.set_xlim(*time_limits(log))
-    axes.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]))
-
-
 def time_limits(log: FlightLog) -> tuple[float, float]:
     """From the first instant of the record to its last in [s], never an empty interval.
 
@@ -137,8 +126,8 @@ def states_figure(log: FlightLog) -> Figure:
             _state_panel(axes, log, errors[:, COLUMNS[name]], name, title, label)
         for column, (title, label) in enumerate(INPUT_PANELS):
             _input_panel(right[column], log, column, title, label)
-        _cost_panel(right[3], log)
-        _solve_time_panel(right[4], log)
+        _logarithmic(right[3], log, log.cost, "Optimal cost", "$V_N$ [-]")
+        _logarithmic(right[4], log, 1e6 * log.solve_time, "Solve time", "time [µs]", marker=".")
         figure.subplots_adjust(
             left=0.075, right=0.985, bottom=0.06, top=0.925, hspace=0.34, wspace=0.2
         )
@@ -155,7 +144,8 @@ def _assemble(
         axes.set_title(f"({letter}) {axes.get_title(loc='left')}", loc="left")
     for axes in lowest:
         axes.set_xlabel("time [s]")
-    share_time(axes, log)
+    axes.set_xlim(*time_limits(log))
+    axes.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]))
     axes.figure.legend(
         handles=[
             Line2D([], [], color=BLUE, label="flight"),
@@ -212,37 +202,23 @@ def _input_panel(axes: Axes, log: FlightLog, column: int, title: str, label: str
     finish(axes, title, label, low, high)
 
 
-def _cost_panel(axes: Axes, log: FlightLog) -> None:
-    """Optimal cost, down to where rounding takes over."""
-    cost = np.where(np.isfinite(log.cost) & (log.cost > 0.0), log.cost, np.nan)
-    _logarithmic(axes, log.command_time, cost, "Optimal cost", "$V_N$ [-]", marker="")
-
-
-def _solve_time_panel(axes: Axes, log: FlightLog) -> None:
-    """Wall time of every solve."""
-    time = 1e6 * np.where(log.solve_time > 0.0, log.solve_time, np.nan)
-    count = min(len(time), len(log.command_time))
-    _logarithmic(
-        axes, log.command_time[:count], time[:count], "Solve time", "time [µs]", marker="."
-    )
-
-
 def _logarithmic(
     axes: Axes,
-    time: NDArray[np.float64],
+    log: FlightLog,
     values: NDArray[np.float64],
     title: str,
     label: str,
-    marker: str,
+    marker: str = "",
 ) -> None:
-    """Positive values, shape (m,), over whole decades."""
+    """What is positive of the values of each command, over whole decades, down to rounding."""
     axes.set_yscale("log")
+    values = np.where(np.isfinite(values) & (values > 0.0), values, np.nan)[: len(log.command_time)]
     known = values[np.isfinite(values)]
     if len(known):
         top = np.ceil(np.log10(np.max(known)) + 1e-9)
         bottom = min(max(np.floor(np.log10(np.min(known))), top - DECADES), top - 1.0)
         style: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 3.5} if marker else {}
-        axes.plot(time, values, color=BLUE, **style)
+        axes.plot(log.command_time[: len(values)], values, color=BLUE, **style)
         low, high = 10.0**bottom, 10.0**top
     else:
         axes.text(0.5, 0.5, "not recorded", transform=axes.transAxes, ha="center", color=GREY)

@@ -166,7 +166,9 @@ def trajectory_figure(log: FlightLog) -> Figure:
     if not len(path):
         path, target = np.full((1, 3), np.nan), np.zeros((1, 3))
     start, goal = _known(path, np.nan)[:1].T, _known(target, 0.0)[-1:].T
-    orbit = _circle(log, goal.T)
+    angle = np.linspace(0.0, 2.0 * np.pi, 181)
+    level = log.orbit.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    orbit = goal.T + np.insert(level, 2, log.orbit.altitude, axis=1)
     with drawing(*SIZE) as figure:
         # Larger than the figure: mplot3d clips lines at the axes, and the scene is fitted below.
         axes: Axes3D = figure.add_axes((-0.5, -0.5, 2.0, 2.0), projection="3d")
@@ -186,14 +188,6 @@ def trajectory_figure(log: FlightLog) -> Figure:
         mark_times(axes, log.time, path, ground, np.hstack([start, goal]).T)
         figure.legend(loc="upper center", ncols=6, bbox_to_anchor=(0.5, 0.985), columnspacing=1.6)
     return figure
-
-
-def _circle(log: FlightLog, centre: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Desired orbit about a place of the target, shape (181, 3)."""
-    angle = np.linspace(0.0, 2.0 * np.pi, 181)
-    radius = log.orbit.radius
-    height = np.full_like(angle, log.orbit.altitude)
-    return centre + np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
 
 
 def _frame(axes: Axes3D, points: NDArray[np.float64]) -> float:
