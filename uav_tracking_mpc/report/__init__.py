@@ -22,8 +22,7 @@
 ``mission_report``    ``write_report``: all of it into one folder
 ``figure_style``      colours, type and resolution that all figures share
 ``mode_colours``      the colour of each fallback mode, in figures and on the live page
-``icon``              the picture in the tab of every page
-``pages``             tables for the terminal and for documentation; HTML pages
+``pages``             tables for the terminal and for documentation; HTML pages, their icon
 ``atomic_write``      files that are whole or absent
 ``bag``               messages of bags, in order
 ``bag_index``         the same by topic and time

@@ -24,7 +24,6 @@ from typing import Any
 
 from uav_tracking_mpc.report.atomic_write import json_text, write_atomically, write_json
 from uav_tracking_mpc.report.figure_style import save_figure
-from uav_tracking_mpc.report.icon import ICON_ADDRESS
 from uav_tracking_mpc.report.metrics import (
     BAND_UNITS,
     fallbacks,
@@ -35,7 +34,7 @@ from uav_tracking_mpc.report.metrics import (
     sound,
     verdict,
 )
-from uav_tracking_mpc.report.pages import embedded, render
+from uav_tracking_mpc.report.pages import ICON_ADDRESS, embedded, render
 from uav_tracking_mpc.report.time_panels import (
     DECADES,
     conditions_figure,

@@ -23,11 +23,21 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from jinja2 import Environment, StrictUndefined
 
 from uav_tracking_mpc.report.atomic_write import write_atomically
 
+# The picture in the tab of every page: an aircraft that circles a target.
+ICON = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">'
+    '<rect width="32" height="32" rx="7" fill="#0b3a5b"/>'
+    '<circle cx="16" cy="16" r="10.5" fill="none" stroke="#56b4e9" stroke-width="2" '
+    'stroke-dasharray="4 2.6"/><circle cx="16" cy="16" r="2.4" fill="#e69f00"/>'
+    '<path d="M26.5 5.2 22 14.2l-2.6-3.4-4.2-1z" fill="#fff"/></svg>'
+)
+ICON_ADDRESS = f"data:image/svg+xml,{quote(ICON)}"
 # A number a little below zero, rounded.
 NEGATIVE_ZERO = re.compile(r"(?<![\w.])-(0(?:\.0+)?)(?![\w.])")
 

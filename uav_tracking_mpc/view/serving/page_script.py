@@ -23,7 +23,7 @@ from functools import lru_cache
 from importlib import resources
 from typing import Any
 
-from uav_tracking_mpc.report.icon import ICON_ADDRESS
+from uav_tracking_mpc.report.pages import ICON_ADDRESS
 
 SCRIPT, STYLE = "page_script.js", "page_style.css"
 TITLE = "uav_tracking"
