@@ -147,28 +147,21 @@ class Profile:
         return float(min(found.fun, misfit(low))) if low == 0.0 else float(found.fun)
 
     def _interval(self, best: float, most: float, profile: Callable[[float], float]) -> Estimate:
-        ends = []
-        for bound in (0.0, most):
+        def excess(value: float) -> float:
+            return profile(value) - self._allowed
+
+        def end(direction: float) -> float:
+            """Where the misfit comes to what is allowed; at the end of the range if it does not."""
             inside, step = best, FIRST_STEP
-            while True:
-                outside = max(best - step, 0.0) if bound == 0.0 else min(best + step, most)
-                if profile(outside) > self._allowed:
-                    end = (
-                        brentq(
-                            lambda value: profile(value) - self._allowed,
-                            *sorted((inside, outside)),
-                            xtol=PRECISION,
-                        )
-                        if profile(inside) < self._allowed
-                        else inside
-                    )
-                    break
-                if outside == bound:
-                    end = bound
-                    break
+            while excess(outside := min(max(best + direction * step, 0.0), most)) <= 0.0:
+                if outside in (0.0, most):
+                    return outside
                 inside, step = outside, 2.0 * step
-            ends.append(float(end))
-        return Estimate(best, *ends)
+            if excess(inside) >= 0.0:
+                return inside
+            return float(brentq(excess, *sorted((inside, outside)), xtol=PRECISION))
+
+        return Estimate(best, end(-1.0), end(1.0))
 
     def _gain(self) -> Estimate:
         """Of all the points tried: those that line the region allowed are among them."""
@@ -341,9 +334,13 @@ def parameters_to_paste(found: Sequence[ChannelIdentification]) -> str:
     A channel that was not identified keeps a comment; its numbers are placeholders.
     """
     known = {channel.name: channel for channel in found}
-    lag = [_rounded(known, name, "lag", 0.0) for name in CHANNELS]
-    dead_time = [_rounded(known, name, "dead_time", 0.0) for name in CHANNELS]
-    gain = [_rounded(known, name, "gain", 1.0) for name in CHANNELS]
+    lag, dead_time, gain = (
+        [
+            round(getattr(known[name].estimates, figure).value, 3) if name in known else otherwise
+            for name in CHANNELS
+        ]
+        for figure, otherwise in (("lag", 0.0), ("dead_time", 0.0), ("gain", 1.0))
+    )
     limits = {key: value for one in found for key, value in _limits_to_paste(one).items()}
     controller = {"rate_lag": lag, "dead_time": dead_time, **limits}
     # Lists of its own: YAML would refer to one that stands above.
@@ -356,14 +353,6 @@ def parameters_to_paste(found: Sequence[ChannelIdentification]) -> str:
     return "".join(comments) + parameter_file(
         {"nmpc_controller": controller, "uav_simulator": simulator}
     )
-
-
-def _rounded(
-    known: dict[str, ChannelIdentification], name: str, figure: str, otherwise: float
-) -> float:
-    if name not in known:
-        return otherwise
-    return round(getattr(known[name].estimates, figure).value, 3)
 
 
 def _limits_to_paste(channel: ChannelIdentification) -> dict[str, float]:
