@@ -72,9 +72,8 @@ class HeldDemand:
 
     def __init__(self, demand: Samples) -> None:
         self._time, self._value = demand
-        durations = np.diff(self._time)
-        self._durations = durations
-        self._integral = np.concatenate([[0.0], np.cumsum(self._value[:-1] * durations)])
+        self._durations = np.diff(self._time)
+        self._integral = np.concatenate([[0.0], np.cumsum(self._value[:-1] * self._durations)])
 
     def rates_at_steps(self, lag: float) -> NDArray[np.float64]:
         """Rate at each step without dead time, shape (m,); at the first it is what is demanded.
@@ -105,8 +104,7 @@ class HeldDemand:
             rates: As of :meth:`rates_at_steps` for this lag, shape (m,).
         """
         shifted = time - dead_time
-        step = np.searchsorted(self._time, shifted, side="right") - 1
-        step = np.maximum(step, 0)
+        step = np.maximum(np.searchsorted(self._time, shifted, side="right") - 1, 0)
         since = np.maximum(shifted - self._time[step], 0.0)
         demanded = self._value[step]
         rate = rates[step] + (demanded - rates[step]) * followed(since, lag)
@@ -144,10 +142,10 @@ def noise_of(residuals: NDArray[np.float64], least: float) -> NoiseModel:
     """The noise that explains residuals best, by the Bayesian information criterion.
 
     Args:
-        residuals: Of zero mean, shape (n,).
+        residuals: Of any mean, shape (n,).
         least: Deviation that is assumed at least, in [rad], [rad/s] or [m/s]: no sensor is exact.
     """
-    count = len(residuals)
+    count, residuals = len(residuals), residuals - np.mean(residuals)
     covariance = np.array(
         [residuals[lag:] @ residuals[: count - lag] / count for lag in range(ORDERS[-1] + 1)]
     )
@@ -263,11 +261,11 @@ class ChannelFit:
     def _responses(self, lag: float, dead_time: float) -> list[NDArray[np.float64]]:
         """Of each output to the demand, with gain 1."""
         rates = self._rates(lag)
-        found = []
-        for index, output in enumerate(self._outputs):
-            rate, integral = self._demand.response(output.samples.time, lag, dead_time, rates)
-            found.append(rate if index else integral)
-        return found
+        # The state answers with the integral of the rate, the second of the two.
+        return [
+            self._demand.response(output.samples.time, lag, dead_time, rates)[part]
+            for output, part in zip(self._outputs, (1, 0), strict=False)
+        ]
 
     def solve(self, lag: float, dead_time: float) -> Solved:
         """The best gain and offsets for a lag and a dead time.
@@ -294,13 +292,10 @@ class ChannelFit:
                 starts = self._grid()
             self._refine(starts)
             starts = [(self.lag, self.dead_time)]
-            noise = []
-            for output, fitted, least in zip(
-                self._outputs, self._fitted(), self._least, strict=False
-            ):
-                left = output.samples.value - fitted
-                noise.append(noise_of(left - np.mean(left), least))
-            self.describe(noise)
+            fitted = zip(self._outputs, self._fitted(), self._least, strict=False)
+            self.describe(
+                [noise_of(each.samples.value - fit, least) for each, fit, least in fitted]
+            )
         self._refine(starts)
         return self
 
