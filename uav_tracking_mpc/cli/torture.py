@@ -116,9 +116,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _soak(arguments: argparse.Namespace, console: Console) -> Study:
-    from uav_tracking_mpc.studies.faults.soak import SPEED, soak
+    from uav_tracking_mpc.studies.faults.node_campaign import SOAK_SPEED, soak
 
-    arguments.overrides = [f"mission.speed={SPEED!r}", *arguments.overrides]
+    arguments.overrides = [f"mission.speed={SOAK_SPEED!r}", *arguments.overrides]
     return soak(
         chosen_configuration(arguments),
         arguments.soak,

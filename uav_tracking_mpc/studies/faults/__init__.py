@@ -24,11 +24,10 @@
 ``invariants``       what must hold for every message, and when the orbit is reached again
 ``resources``        memory, files and threads of the processes
 ``observer``         the node that hears every message and checks the invariants
-``node_campaign``    cases flown with real nodes, whose processes are watched
+``node_campaign``    cases flown with real nodes, whose processes are watched; hours of flight
+                     without any: is the orbit held, does anything grow
 -------------------  --------------------------------------------------------------------------
 ``link_campaign``    faults on the wire to a simulated autopilot, one after the other
--------------------  --------------------------------------------------------------------------
-``soak``             hours of flight without faults: is the orbit held, does anything grow
 ===================  ==========================================================================
 
 Schedule, invariants, resources, campaign and all of the link know nothing of ROS. Link and

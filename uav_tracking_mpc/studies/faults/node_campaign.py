@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Cases flown with real nodes: their messages, their processes and their log are watched."""
+"""Real nodes that fly cases of faults, or hours without: messages, processes, log are watched."""
 
 from __future__ import annotations
 
@@ -35,6 +35,7 @@ from uav_tracking_mpc.control.guidance import compile_flight
 from uav_tracking_mpc.launch.flight import signals
 from uav_tracking_mpc.launch.supervisor import NODES, LaunchError, supervised
 from uav_tracking_mpc.parameters.specification import Specification, Value, specifications
+from uav_tracking_mpc.report.atomic_write import json_text
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults import fault_relay
 from uav_tracking_mpc.studies.faults.fault_campaign import (
@@ -46,7 +47,7 @@ from uav_tracking_mpc.studies.faults.fault_campaign import (
 from uav_tracking_mpc.studies.faults.invariants import Limits, Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.observer import Observer
-from uav_tracking_mpc.studies.faults.resources import Growth, usage
+from uav_tracking_mpc.studies.faults.resources import Growth, Usage, usage
 from uav_tracking_mpc.studies.faults.schedule import Case
 from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, raw
 from uav_tracking_mpc.studies.study import Study
@@ -344,3 +345,88 @@ class NodeCampaign(FaultCampaign):
                 self.blame("process lost", f"{name} ended with exit code {code}")
                 self.supervisor.restart(name)
             yield now - moved > STALL_LIMIT
+
+
+SOAK_SPEED = 20.0  # -, simulated over wall time, as far as the machine keeps up
+SETTLING = 180.0  # s of simulated time to fly onto the orbit
+REPORT_PERIOD = 20.0  # s of wall time
+
+
+def soak(
+    configuration: Configuration,
+    hours: float,
+    output: Path,
+    console: Console,
+    domain: int | None = None,
+) -> Study:
+    """Fly for hours of simulated time, at the speed of the mission.
+
+    Args:
+        configuration: What to fly.
+        hours: Simulated [h].
+        output: Existing folder for the nodes' output.
+        console: Where progress goes.
+        domain: ROS domain; None takes one that no other launch uses.
+
+    Raises:
+        LaunchError: The aircraft did not reach its orbit, or time stood still.
+        KeyboardInterrupt: A signal came.
+    """
+    campaign = NodeCampaign(configuration, {}, output, console)
+    recovery = campaign.recovery
+    with campaign.flight(domain):
+        observer = campaign.observer
+        begin, flown = time.monotonic(), recovery.flown
+        settled, told = False, 0.0
+        for stalled in campaign.watch():
+            wall = time.monotonic() - begin
+            if not settled and recovery.flown > SETTLING:
+                settled, observer.longest_gap = True, 0.0
+                recovery.begin()
+            if recovery.flown >= 3600.0 * hours:
+                break
+            if stalled:
+                raise LaunchError(f"simulated time stood still for {STALL_LIMIT:g} s")
+            if wall - told > REPORT_PERIOD:
+                told = wall
+                console.print(
+                    f"{recovery.flown / 3600.0:6.3f} h simulated, "
+                    f"{(recovery.flown - flown) / wall:5.1f} times real time, "
+                    f"r - r_d {recovery.range_error:+7.3f} m, at most {recovery.worst[0]:.3f} m, "
+                    f"{observer.commands} commands",
+                    highlight=False,
+                )
+    worst, when = recovery.worst
+    nodes = {name: _told(growth) for name, growth in campaign.latest().items()}
+    broken = {violation.invariant: violation.detail for violation in reversed(campaign.violations)}
+    complaints = sum(bool(node["complaint"]) for node in nodes.values())
+    violations = (worst > campaign.tolerance) + len(broken) + complaints
+    content = {
+        "config": configuration.name,
+        "simulated_hours": recovery.flown / 3600.0,
+        "wall_minutes": wall / 60.0,
+        "speed": (recovery.flown - flown) / wall,
+        "control_rate_hz": observer.commands / recovery.flown,
+        "control_rate_wanted_hz": configuration.controller.control_rate,
+        "longest_gap_s": observer.longest_gap,
+        "max_range_error_m": worst,
+        "max_range_error_at_s": when,
+        "rss_growth_percent": max(node["rss_growth_percent"] for node in nodes.values()),
+        "nodes": nodes,
+        "broken": broken,
+        "violations": violations,
+    }
+    return Study("soak", content, [json_text(content)], good=not violations)
+
+
+def _told(growth: Growth) -> dict[str, Any]:
+    """How a process grew after its warm-up."""
+    half, used = growth.second_half(), [used for _, used in growth.samples] or [Usage(0, 0, 0)]
+    return {
+        "rss_mb": used[-1].rss / 1e6,
+        "rss_growth_percent": growth.rss_percent(),
+        "rss_growth_second_half_percent": half.rss_percent(),
+        "handles": [used[0].handles, used[-1].handles],
+        "threads": [used[0].threads, used[-1].threads],
+        "complaint": half.complaint(),
+    }
