@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import functools
 import heapq
+import itertools
 import json
 import random
 import sys
@@ -48,7 +49,7 @@ class FaultRelay(Node):
         super().__init__("fault_relay", **options)
         self._under_way: list[tuple[float, StreamFault]] = []  # its end, a steady time in s
         self._late: list[tuple[float, int, str, bytes]] = []  # due, order, topic, message
-        self._order = 0
+        self._order = itertools.count()
         self._speed = 1.0  # simulated over wall time
         self._outputs = {
             topic.name: self.create_publisher(topic.type, topic.name, topic.qos)
@@ -75,10 +76,8 @@ class FaultRelay(Node):
             if delay <= 0.0:
                 self._outputs[topic.name].publish(message)
             else:
-                self._order += 1
-                heapq.heappush(
-                    self._late, (now + delay / self._speed, self._order, topic.name, message)
-                )
+                due = now + delay / self._speed
+                heapq.heappush(self._late, (due, next(self._order), topic.name, message))
 
     def _send_late(self) -> None:
         now = time.monotonic()

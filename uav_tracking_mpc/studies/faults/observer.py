@@ -46,8 +46,6 @@ TOPICS = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS, ORDERS)
 QUEUE = 1000  # messages that may wait
 PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded
 
-Judge = Callable[[Any], None]
-
 
 class Observer(Node):
     """Hears every message of a campaign.

@@ -19,6 +19,7 @@ The schedule is a function of the seed alone, so that a failing case can be run 
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -135,9 +136,9 @@ def schedule(
     """
     rng = random.Random(seed)
     restarting = math.ceil(RESTARTING_FAULTS * minutes)
-    dealt = index = 0
+    dealt = 0
     deck: list[str] = []
-    while True:
+    for index in itertools.count():
         draw = rng.random()
         wanted = min(1 + sum(draw > share for share in TOGETHER), most)
         chosen: list[Fault] = []
@@ -152,8 +153,16 @@ def schedule(
             chosen.append(faults[fitting[0]])
             deck.remove(fitting[0])
         dealt += len(chosen)
-        yield Case(index, tuple(_scheduled(rng, fault) for fault in chosen))
-        index += 1
+        scheduled = (
+            ScheduledFault(
+                fault.label,
+                offset=rng.uniform(0.0, LATEST),
+                duration=rng.uniform(*fault.duration),
+                seed=rng.randrange(2**31),
+            )
+            for fault in chosen
+        )
+        yield Case(index, tuple(scheduled))
 
 
 def _deck(faults: Mapping[str, Fault], rng: random.Random, restarting: bool) -> list[str]:
@@ -168,12 +177,3 @@ def _deck(faults: Mapping[str, Fault], rng: random.Random, restarting: bool) -> 
 
 def _fits(fault: Fault, others: list[Fault]) -> bool:
     return fault not in others and not (fault.victim and any(other.victim for other in others))
-
-
-def _scheduled(rng: random.Random, fault: Fault) -> ScheduledFault:
-    return ScheduledFault(
-        fault.label,
-        offset=rng.uniform(0.0, LATEST),
-        duration=rng.uniform(*fault.duration),
-        seed=rng.randrange(2**31),
-    )
