@@ -469,13 +469,13 @@ def _distributions(base: Configuration, written: Mapping[str, Any]) -> Draws:
 def _groups(written: Any, errors: bool) -> tuple[Group, ...]:
     if not written:
         return (Group(errors=ALL if errors else NO),)
-    groups = []
-    for name, content in _mapping(written, "groups").items():
-        groups.append(
-            from_mapping(Group, {"name": str(name), **_mapping(content, f"group '{name}'")})
-        )
-        if groups[-1].errors != NO and not errors:
-            raise ParameterError(f"group '{name}': there are no errors to draw")
+    groups = [
+        from_mapping(Group, {"name": str(name), **_mapping(content, f"group '{name}'")})
+        for name, content in _mapping(written, "groups").items()
+    ]
+    for group in groups:
+        if group.errors != NO and not errors:
+            raise ParameterError(f"group '{group.name}': there are no errors to draw")
     total = sum(group.share for group in groups)
     if not math.isclose(total, 1.0, abs_tol=1e-6):
         raise ParameterError(f"the shares of the groups add up to {total:g}, must be 1")

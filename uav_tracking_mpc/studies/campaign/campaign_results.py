@@ -28,7 +28,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -293,10 +292,17 @@ def failure_table(results: CampaignResults) -> Table:
             lower, share, upper = (
                 f"{100.0 * counts[p]:.2f}" for p in ("lower", "probability", "upper")
             )
-            words = ", ".join(f"{reason} {count}" for reason, count in reasons(part).items())
-            numbers = [str(counts["flights"]), str(counts["failures"]), share]
-            first = law if name == "all" else ""
-            rows.append([first, name, *numbers, f"{lower} to {upper}", words])
+            rows.append(
+                [
+                    law if name == "all" else "",
+                    name,
+                    str(counts["flights"]),
+                    str(counts["failures"]),
+                    share,
+                    f"{lower} to {upper}",
+                    ", ".join(f"{reason} {count}" for reason, count in reasons(part).items()),
+                ]
+            )
     headings = ("law", "group", "flights", "failed", "failed [%]", BOUNDS, "reasons")
     return Table(headings, rows, numeric=headings[2:6], title="Failures", caption=CAPTION)
 
@@ -410,14 +416,14 @@ def _draw_parts(axes: Axes, results: CampaignResults, colour: dict[str, str]) ->
     pitch = 0.7 / len(results.laws)
     for place, (law, rows) in enumerate(by(results.rows, "law").items()):
         parts = {"all": list(rows), **_parts(results, rows, "", lambda _, value: value)}
-        parts = dict(islice(parts.items(), LINES))
-        for line, part in enumerate(parts.values()):
+        names = list(parts)[:LINES]
+        for line, part in enumerate(parts[name] for name in names):
             y = line + pitch * (place - 0.5 * (len(results.laws) - 1))
             counts = failures(part)
             lower, share, upper = (100.0 * counts[p] for p in ("lower", "probability", "upper"))
             axes.plot([lower, upper], [y] * 2, color=colour[law], lw=1.8)
             axes.plot(share, y, "o", color=colour[law], ms=3.5)
-        axes.set_yticks(range(len(parts)), list(parts))
+        axes.set_yticks(range(len(names)), names)
     axes.tick_params(axis="y", labelsize=7.0)
     axes.invert_yaxis()
     axes.set(xlabel="flights that fail [%]", title="(c) failures, 95 % bounds", xlim=(0.0, None))

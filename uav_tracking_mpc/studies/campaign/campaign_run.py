@@ -46,7 +46,7 @@ from uav_tracking_mpc.settings.configuration import Configuration, Sections, con
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.studies.campaign.campaign_file import ALL, NO, RAISED, Campaign, Group
+from uav_tracking_mpc.studies.campaign.campaign_file import NO, ONE, RAISED, Campaign, Group
 from uav_tracking_mpc.studies.campaign.uncertain_inputs import read, write
 from uav_tracking_mpc.studies.comparison.measures import measures
 from uav_tracking_mpc.studies.comparison.scenarios import law_label, law_labels
@@ -102,8 +102,7 @@ def planned(campaign: Campaign, number: int) -> PlannedFlight:
     sections["uav_simulator"]["seed"] = gusts >> 1  # the parameter takes 31 bits
     sections["target_publisher"]["seed"] = target >> 1
     write(sections, values)
-    group, rank = _group_of(campaign, draw)
-    names = _errors_of(campaign, group, rank)
+    group, names = _group_of(campaign, draw)
     mistaken: dict[str, Any] = {}
     for name in names:
         for key, each in campaign.errors[name].items():
@@ -141,19 +140,16 @@ def _stream(campaign: Campaign, draw: int, key: str) -> np.random.Generator:
     return np.random.default_rng([campaign.seed, draw, zlib.crc32(key.encode())])
 
 
-def _group_of(campaign: Campaign, draw: int) -> tuple[Group, int]:
-    """Group of a draw, and its rank in it: groups follow one another."""
+def _group_of(campaign: Campaign, draw: int) -> tuple[Group, list[str]]:
+    """Group of a draw and names of its errors: groups follow one another, as do single errors."""
     shares = accumulate(group.share for group in campaign.groups)
     begins = [0, *(round(share * campaign.flights) for share in shares)][:-1]
     place = bisect.bisect_right(begins, draw) - 1
-    return campaign.groups[place], draw - begins[place]
-
-
-def _errors_of(campaign: Campaign, group: Group, rank: int) -> list[str]:
-    if group.errors == NO:
-        return []
-    names = list(campaign.errors)
-    return names if group.errors == ALL else [names[rank % len(names)]]
+    group, names = campaign.groups[place], list(campaign.errors)
+    if group.errors == ONE:
+        rank = draw - begins[place]
+        names = [names[rank % len(names)]]
+    return group, [] if group.errors == NO else names
 
 
 Task = tuple[int, str]  # number of a flight, and the law
