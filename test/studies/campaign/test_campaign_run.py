@@ -186,6 +186,13 @@ def test_a_row_says_what_came_of_the_flight(rows):
     assert row["target_publisher.motion"] == "stationary"
 
 
+def test_a_flight_that_is_settled_at_once_has_a_worst_error(tmp_path):
+    failure = {"orbit_lost": {"beyond": 1000.0, "settled_for": 0.0}}
+    row = fly_one(short_campaign(tmp_path, failure=failure), 0, "l1")
+    assert row["settled_s"] == 0.0
+    assert row["worst_settled_m"] >= row["worst_m"] > 0.0
+
+
 @pytest.fixture(scope="module")
 def two_laws(tmp_path_factory):
     draw = {**SHORT["draw"], "mission.duration": 4.0}

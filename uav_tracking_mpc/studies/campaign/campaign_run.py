@@ -203,7 +203,9 @@ def _outcome(campaign: Campaign, log: FlightLog, parameters: TrackingParameters)
     range_error = log.error[:, 0]
     reasons = failure.failures(log, range_error, parameters)
     settled = failure.settled_at(log.time, range_error)
-    worst = float(np.max(np.abs(range_error[log.time >= settled]))) if settled else math.nan
+    worst = math.nan
+    if settled is not None:
+        worst = float(np.max(np.abs(range_error[log.time >= settled])))
     return {
         "failed": bool(reasons),
         "reasons": ",".join(reasons),
