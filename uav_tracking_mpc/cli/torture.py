@@ -133,9 +133,8 @@ def _link(arguments: argparse.Namespace, console: Console) -> Study:
     from uav_tracking_mpc.studies.faults.schedule import schedule
 
     configuration = chosen_configuration(arguments, "crosswind")
-    cases = itertools.islice(schedule(LINK_FAULTS, arguments.seed, most=1), arguments.cases)
-    flown = LinkCampaign(arguments.link, configuration, console)
-    return flown.fly(_chosen(arguments, cases), seed=arguments.seed)
+    cases = _chosen(arguments, schedule(LINK_FAULTS, arguments.seed, most=1), arguments.cases)
+    return LinkCampaign(arguments.link, configuration, console).fly(cases, seed=arguments.seed)
 
 
 def _nodes(arguments: argparse.Namespace, console: Console) -> Study:
@@ -154,8 +153,10 @@ def _nodes(arguments: argparse.Namespace, console: Console) -> Study:
     return flown.fly(cases, seed=seed, minutes=minutes, domain=arguments.domain_id)
 
 
-def _chosen(arguments: argparse.Namespace, cases: Iterator[Case]) -> Iterator[Case]:
-    """The cases to fly: all, or one."""
+def _chosen(
+    arguments: argparse.Namespace, cases: Iterator[Case], count: int | None = None
+) -> Iterator[Case]:
+    """The cases to fly of a schedule without end: one, or the first so many; all by default."""
     if arguments.case is None:
-        return cases
+        return itertools.islice(cases, count)
     return itertools.islice(cases, arguments.case, arguments.case + 1)

@@ -125,11 +125,13 @@ def test_a_link_that_clings_to_command_is_seen(flight):
     assert "take-over" in broken(flight)
 
 
+@pytest.mark.parametrize(("chosen", "index"), [((), 0), (("--case", "3"), 3)])
 def test_the_command_writes_and_prints_what_came_of_it_and_a_seed_makes_it_the_same_again(
-    tmp_path, capsys, monkeypatch
+    tmp_path, capsys, monkeypatch, chosen, index
 ):
+    """Also where a case comes after as many as are flown without it."""
     monkeypatch.setattr(link_campaign, "BAD_FRAMES", 1000)
-    words = ["torture", "--link", "ardupilot", "--cases", "1", "--seed", "4", "--json"]
+    words = ["torture", "--link", "ardupilot", "--cases", "1", *chosen, "--seed", "4", "--json"]
     sets = [word for assignment in ON_ORBIT for word in ("--set", assignment)]
     assert main([*words, *sets, "--output", str(tmp_path)]) == 0
     printed = json.loads(capsys.readouterr().out)
@@ -137,6 +139,6 @@ def test_the_command_writes_and_prints_what_came_of_it_and_a_seed_makes_it_the_s
     assert (tmp_path / "timeline.png").read_bytes().startswith(b"\x89PNG")
     assert (printed["dialect"], printed["faults"], printed["violations"]) == ("ardupilot", 1, 0)
     assert printed["frames"]["bad"] == 1000
-    (again,) = flown(campaign_of(), islice(schedule(LINK_FAULTS, 4, most=1), 1))
+    (again,) = flown(campaign_of(), islice(schedule(LINK_FAULTS, 4, most=1), index, index + 1))
     assert list(printed["per_kind"]) == list(again.kinds)
     assert printed["worst_recovery_s"] == again.recovery
