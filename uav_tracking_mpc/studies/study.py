@@ -41,7 +41,7 @@ class Study:
 
     Attributes:
         name: Of its JSON file and its HTML page, without their endings.
-        content: Of the JSON file: plain values, never NaN.
+        content: Of the JSON file; what is not finite in it becomes null.
         words: Lines of text and tables for people.
         written: Line that says where the files are, with ``{}`` for their folder; empty for none.
         figures: Functions that draw the PNG files, by the files' names without the ending.
@@ -67,6 +67,10 @@ class Study:
     tables: Mapping[str, Table] = field(default_factory=dict)
     good: bool = True
     left: str = ""
+
+    def __post_init__(self) -> None:
+        """Content as JSON knows it: a single number that is not finite must not cost all others."""
+        object.__setattr__(self, "content", plain(self.content))
 
     def publish(self, output: Path | None, documentation: Path | None = None) -> list[str | Table]:
         """Write everything.

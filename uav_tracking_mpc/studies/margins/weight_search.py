@@ -52,7 +52,7 @@ from uav_tracking_mpc.studies.comparison.results import prepared
 from uav_tracking_mpc.studies.comparison.scenarios import SCENARIO, mismatched
 from uav_tracking_mpc.studies.executors import parallel_map
 from uav_tracking_mpc.studies.margins.margin_study import drift_of
-from uav_tracking_mpc.studies.study import Study, plain
+from uav_tracking_mpc.studies.study import Study
 
 # Range RMS [m] and bank-rate RMS [deg/s] that are asked of each flight; in gusts they are shares of
 # those of another law, which would have to be flown as well: here what is asked of it is fixed.
@@ -265,7 +265,7 @@ def search_study(config: str, candidates: Sequence[Candidate], best: Candidate) 
         "best": _numbers(best),
         "yaml": yaml,
     }
-    return Study("search", plain(content), [table, yaml])
+    return Study("search", content, [table, yaml])
 
 
 def _numbers(candidate: Candidate) -> dict[str, Any]:

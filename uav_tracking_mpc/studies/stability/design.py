@@ -36,7 +36,7 @@ from uav_tracking_mpc.studies.stability.proof import (
     prove_direct_condition,
 )
 from uav_tracking_mpc.studies.stability.stability_campaign import local_flights
-from uav_tracking_mpc.studies.study import Study, plain
+from uav_tracking_mpc.studies.study import Study
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
 
 SCALINGS = (1.5, 2.5, 4.0, 8.0)  # -, times P
@@ -95,7 +95,7 @@ def design(
             break
     words = _words(problem, asked, best)
     content = {"asked": asked, "candidates": ranked, "best": best, "words": words}
-    return Study("design", plain(content), [words, _table(ranked)], good=best is not None)
+    return Study("design", content, [words, _table(ranked)], good=best is not None)
 
 
 def changed_problem(
