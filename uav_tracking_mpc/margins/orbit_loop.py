@@ -242,12 +242,10 @@ class OrbitLoop:
                 "the orbit that is asked for is left: limits or the law lead away"
             )
         gain = np.zeros((3, SIZE))
-        for component, step in enumerate(STEPS):
-            deviation = np.zeros(SIZE)
-            deviation[component] = step
+        for component, deviation in enumerate(np.diag(STEPS)):
             above = self._answer(frozen.situation(deviation), 0.0)
             below = self._answer(frozen.situation(-deviation), 0.0)
-            gain[:, component] = (above - below) / (2.0 * step)
+            gain[:, component] = (above - below) / (2.0 * STEPS[component])
         return gain
 
     def _answer(self, situation: Situation, elapsed: float | None) -> NDArray[np.float64]:
@@ -479,7 +477,4 @@ def _sent(tap: int) -> slice:
 
 
 def _sum(taps: NDArray[np.float64], z: NDArray[Any]) -> NDArray[Any]:
-    total = np.zeros((len(z), *taps.shape[1:]), dtype=complex)
-    for tap, effect in enumerate(taps):
-        total += effect * z**-tap
-    return total
+    return np.asarray(sum(effect * z**-tap for tap, effect in enumerate(taps)))

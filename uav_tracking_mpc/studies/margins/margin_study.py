@@ -189,9 +189,8 @@ class MarginStudy:
 
     Attributes:
         configuration: Whose they are, with its wind.
-        frequency: Shape (n,), in [rad/s].
         flown: In still air, of the flights, with all estimators.
-        flown_ratios: Return ratio of each channel, shape (n, 3).
+        flown_ratios: Return ratio of each channel, shape (n, 3), over the frequencies.
         nonlinearity: Greatest difference between the sensitivities that whole and half impulses
             give [-].
         model: In still air, of the model.
@@ -202,7 +201,6 @@ class MarginStudy:
     """
 
     configuration: Configuration
-    frequency: NDArray[np.float64]
     flown: LoopMargins
     flown_ratios: NDArray[Any]
     nonlinearity: float
@@ -261,18 +259,16 @@ def margin_study(
     by_model = near.loop(still, plant)
     frequency = by_model.frequencies(FREQUENCIES)
     whole, half = flown_loops(configuration, frequency, SIZES, workers, show)
-    response = by_model.response(frequency)
     count = AZIMUTHS if np.any(drift) else 0
     azimuths = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
     change = sensitivities(whole.loop) - sensitivities(half.loop)
     return MarginStudy(
         configuration=configuration,
-        frequency=frequency,
         flown=loop_margins(frequency, whole.loop) if whole.settled else UNSTABLE,
         flown_ratios=return_ratios(whole.loop),
         nonlinearity=float(np.max(np.abs(change))),
         model=near.margins(still, plant),
-        model_ratios=return_ratios(response),
+        model_ratios=return_ratios(by_model.response(frequency)),
         drift=drift,
         azimuths=azimuths,
         in_wind=[near.margins(near.orbit_in(drift, phi), plant) for phi in azimuths.tolist()],

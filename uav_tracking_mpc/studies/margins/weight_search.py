@@ -172,12 +172,15 @@ def search_weights(
         return candidate.cost, -min(delay, candidate.gain_db / max(start.gain_margin_min, 1e-9))
 
     begin = [weight for name in SIZES for weight in getattr(start, name)]
-    center, factor = _rounded([max(weight, LEAST) for weight in begin]), FACTOR
+    center, factor = _rounded(max(weight, LEAST) for weight in begin), FACTOR
     take([center])
     best = known[center]
     for _ in range(rounds):
-        steps = [(places, scale) for places in MOVES for scale in (factor, 1.0 / factor)]
-        take(_scaled(center, places, scale) for places, scale in steps)
+        take(
+            _rounded(w * scale if k in places else w for k, w in enumerate(center))
+            for places in MOVES
+            for scale in (factor, 1.0 / factor)
+        )
         best = min(known.values(), key=rank)
         if best.weights == center:
             if factor <= LAST_FACTOR:
@@ -232,10 +235,6 @@ def _cost(flights: dict[str, Measures | None]) -> float:
         shares += [flight.range_rms_m / range_rms, flight.bank_rate_rms_dps / bank_rate]
         shares.append(flight.settling_s / SETTLING)
     return sum(math.log2(1.0 + share) for share in shares) / len(shares)
-
-
-def _scaled(weights: Weights, places: Sequence[int], scale: float) -> Weights:
-    return _rounded([w * scale if k in places else w for k, w in enumerate(weights)])
 
 
 def _rounded(weights: Iterable[float]) -> Weights:
