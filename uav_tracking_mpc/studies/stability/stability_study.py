@@ -302,7 +302,16 @@ def stability_study(
                 for where in default_slices(problem, points)
                 for horizon in HORIZONS
             ]
-            content["maps"] = [_in_numbers(found) for found in maps]
+            content["maps"] = [
+                {
+                    "coordinates": found["coordinates"],
+                    "horizon": found["horizon"],
+                    "feasible_share": float(found["feasible"].mean()),
+                    "marked_state": found["marked"].tolist(),
+                    "marked_feasible": found["marked_feasible"],
+                }
+                for found in maps
+            ]
             words += [f"  map {found}" for found in content["maps"]]
             archive = io.BytesIO()
             save_maps(maps, archive)
@@ -319,13 +328,3 @@ def stability_study(
             figures["ellipsoid"] = partial(ellipsoid_figure, problem, level)
             figures["decrease"] = partial(decrease_figure, problem, marks, ceiling)
     return Study("stability", content, words, figures=figures, files=files, good=analysis.certified)
-
-
-def _in_numbers(found: Map) -> dict[str, Any]:
-    return {
-        "coordinates": found["coordinates"],
-        "horizon": found["horizon"],
-        "feasible_share": float(found["feasible"].mean()),
-        "marked_state": found["marked"].tolist(),
-        "marked_feasible": found["marked_feasible"],
-    }
