@@ -131,13 +131,13 @@ def sensor_figures(log: FlightLog) -> dict[str, Any]:
     end = float(log.time[-1]) if len(log.time) else 0.0
     figures = {}
     for name in SensorHealth().states:
-        faults: list[dict[str, Any]] = []
         news = [each for each in log.sensors if each.sensor == name]
         ends = [*(later.time for later in news[1:]), end]
-        for each, until in zip(news, ends, strict=False):  # without news there is one end too many
-            if each.state != USED:
-                lasted = max(until - each.time, 0.0)
-                faults.append({"state": each.state, "begin_s": each.time, "duration_s": lasted})
+        faults: list[dict[str, Any]] = [
+            {"state": each.state, "begin_s": each.time, "duration_s": max(until - each.time, 0.0)}
+            for each, until in zip(news, ends, strict=False)  # without news: one end too many
+            if each.state != USED
+        ]
         refused = sum(fault["duration_s"] for fault in faults) / end if end > 0.0 else 0.0
         figures[name] = {"used": 1.0 - refused, "refused": refused, "faults": faults}
     return figures

@@ -96,9 +96,11 @@ def write_report(
         write_json(output / "metrics.json", numbers)
         trajectory = save_figure(trajectory_figure(log), output / "trajectory.png")
         states = save_figure(states_figure(log), output / "states.png")
-        conditions = None
-        if has_conditions(log):
-            conditions = save_figure(conditions_figure(log), output / "conditions.png")
+        conditions = (
+            save_figure(conditions_figure(log), output / "conditions.png")
+            if has_conditions(log)
+            else None
+        )
         replay, failure = _recorded(log, record_scene)
         page = render_page(log, numbers, trajectory, states, conditions, replay, failure)
         write_atomically(output / "report.html", page.encode())

@@ -406,17 +406,16 @@ def _mode_panel(axes: Axes, log: FlightLog, rows: list[FallbackMode]) -> None:
     begin, end = time_limits(log)
     least = 0.004 * (end - begin)  # as wide as can be seen
     for first, last, flown in log.mode_spans:
-        bar = (first, max(last - first, least))
-        row = rows.index(flown.mode)
+        bar, row = (first, max(last - first, least)), rows.index(flown.mode)
         axes.broken_barh([bar], (row - 0.38, 0.76), color=MODES[flown.mode], lw=0.0)
-    if not log.modes:
-        style: dict[str, Any] = {"ha": "center", "va": "center", "color": GREY}
-        axes.text(0.5, 0.5, "not recorded", transform=axes.transAxes, **style)
     axes.set_title("Mode that was flown", loc="left")
-    changes = sum(not each.mode.nominal for each in log.modes)
     if log.modes:
+        changes = sum(not each.mode.nominal for each in log.modes)
         times = "once" if changes == 1 else f"{changes} times"
         _aside(axes, f"fell back {times}" if changes else "never fell back")
+    else:
+        style: dict[str, Any] = {"ha": "center", "va": "center", "color": GREY}
+        axes.text(0.5, 0.5, "not recorded", transform=axes.transAxes, **style)
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_yticks(range(len(rows)), [mode.value for mode in rows])
     axes.tick_params(axis="y", length=0)
