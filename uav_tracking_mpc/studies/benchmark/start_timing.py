@@ -71,8 +71,7 @@ def _timed(config: str, repetitions: int) -> dict[str, Any]:
     launcher = [sys.executable, "-m", "uav_tracking_mpc.cli.launch_tracking", "--config", config]
     compiler = [sys.executable, "-m", "uav_tracking_mpc", "compile", "--config", config]
     found: dict[str, Any] = {"config": config, "repetitions": repetitions}
-    with tempfile.TemporaryDirectory() as empty:
-        found |= _starts("controller_first", alone, empty)
+    found |= _starts("controller_first", alone)
     with tempfile.TemporaryDirectory() as cache:
         begin = time.perf_counter()
         subprocess.run(compiler, env=_environment(cache), check=True, capture_output=True)
@@ -80,16 +79,19 @@ def _timed(config: str, repetitions: int) -> dict[str, Any]:
         found |= _starts("controller_later", alone, cache, repetitions)
         found |= {"flight_first_s": None, "flight_later_s": None}
         if importlib.util.find_spec("rclpy") is not None:
-            with tempfile.TemporaryDirectory() as empty:
-                found |= _starts("flight_first", launcher, empty)
+            found |= _starts("flight_first", launcher)
             found |= _starts("flight_later", launcher, cache, repetitions)
     return found
 
 
-def _starts(name: str, command: Sequence[str], cache: str, count: int = 1) -> dict[str, float]:
-    """Median of some starts, and the mean processor time of all children that ended, in [s]."""
+def _starts(name: str, command: Sequence[str], cache: str = "", count: int = 1) -> dict[str, float]:
+    """Median of some starts, and the mean processor time of all children that ended, in [s].
+
+    Without a cache it is one that is empty.
+    """
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    times = [_until_first_plan(command, cache) for _ in range(count)]
+    with tempfile.TemporaryDirectory() as empty:
+        times = [_until_first_plan(command, cache or empty) for _ in range(count)]
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     used = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
     return {f"{name}_s": median(times), f"{name}_cpu_s": used / count}
