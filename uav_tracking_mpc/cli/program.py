@@ -143,11 +143,10 @@ class HelpFormatter(argparse.HelpFormatter):
         takes_value = action.option_strings and action.nargs != 0
         if not takes_value or "default" in words or default == []:
             return words
-        if default in (None, ""):
-            return f"{words} (default: none)"
+        shown = "none" if default in (None, "") else "%(default)s"
         if isinstance(default, (list, tuple)):
-            return f"{words} (default: {' '.join(str(item) for item in default)})"
-        return f"{words} (default: %(default)s)"
+            shown = " ".join(map(str, default))
+        return f"{words} (default: {shown})"
 
 
 class CommandParser(argparse.ArgumentParser):
