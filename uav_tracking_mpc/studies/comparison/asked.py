@@ -23,11 +23,10 @@ flight; the sensor's health by what the controller has said of it and when.
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from uav_tracking_mpc.estimation.sensor_health import USED
@@ -196,14 +195,14 @@ class Asked(Demand):
         if not self.relative:
             return self
         law = _better(flights) if self.relative == BETTER else self.relative
-        range_rms = bank_rate = math.inf
-        if law is not None and law in flights:
-            range_rms = self.range_rms * flights[law].range_rms_m
-            bank_rate = self.bank_rate_rms * flights[law].bank_rate_rms_dps
-        else:
-            law = ""
-        return dataclasses.replace(
-            self, relative="", law=law, range_rms=range_rms, bank_rate_rms=bank_rate
+        if law is None or law not in flights:
+            return replace(self, relative="", range_rms=math.inf, bank_rate_rms=math.inf)
+        return replace(
+            self,
+            relative="",
+            law=law,
+            range_rms=self.range_rms * flights[law].range_rms_m,
+            bank_rate_rms=self.bank_rate_rms * flights[law].bank_rate_rms_dps,
         )
 
     def words(self, flights: Flights) -> str:
@@ -437,7 +436,7 @@ ASKED = {
     **{f"gust_lag_{share}": _GUSTY_LAG for share in ("0", "0.25", "0.5", "2", "3")},
     "delay_100": _LATER,
     "delay_200": _LATER,
-    "delay_400": dataclasses.replace(_LATER, after=140.0),
+    "delay_400": replace(_LATER, after=140.0),
     "second_order_roll": Asked(0.5, math.inf, swing=3.0, shaken=True),
     "weaving_target": Asked(math.inf, math.inf, limits=False, unswung=True),
     "tight_gale": Asked(1.5, 1.5, relative=BETTER),
