@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -169,9 +170,7 @@ class NodeCampaign(FaultCampaign):
     ) -> None:
         super().__init__(configuration, faults, console)
         self._output = output
-        self.speed = configuration.mission.speed
-        if faults:
-            self.speed = min(SPEED, self.speed)
+        self.speed = min(configuration.mission.speed, SPEED if faults else math.inf)
         self.reach = configuration.controller.range
         self.growth: dict[tuple[str, int], Growth] = {}
         self._deaths = 0
