@@ -92,6 +92,15 @@ NUMBERS: dict[str, tuple[Callable[..., bool], str]] = {
     ),
 }  # fmt: skip
 KINDS = {"uniform": 2, "log_uniform": 2, "normal": 2, CHOICE: 0, SWEPT: 0, GRID: 3}  # arguments
+# How a value is drawn from the arguments; of all other kinds it is the first of them.
+DRAWING: dict[str, Callable[..., Any]] = {
+    "uniform": lambda random, least, most: least + (most - least) * float(random.random()),
+    "log_uniform": lambda random, least, most: min(
+        least * math.exp(math.log(most / least) * float(random.random())), most
+    ),
+    "normal": lambda random, mean, spread: mean + spread * float(random.standard_normal()),
+    CHOICE: lambda random, *values: values[int(random.integers(len(values)))],
+}
 
 
 @dataclass(frozen=True)
@@ -159,17 +168,8 @@ class Distribution:
         Args:
             random: Where the numbers come from.
         """
-        if self.kind == CHOICE:
-            return self.arguments[int(random.integers(len(self.arguments)))]
-        first, second = (*self.arguments, None)[:2]
-        if self.kind == "uniform":
-            return first + (second - first) * float(random.random())
-        if self.kind == "normal":
-            return first + second * float(random.standard_normal())
-        if self.kind == "log_uniform":
-            ratio = math.log(second / first)
-            return min(first * math.exp(ratio * float(random.random())), second)
-        return first
+        drawn = DRAWING.get(self.kind)
+        return self.arguments[0] if drawn is None else drawn(random, *self.arguments)
 
     def draw_within(self, random: np.random.Generator, neutral: Any, share: float) -> Any:
         """Draw a value and keep to a share of the way to it from what is without error.
