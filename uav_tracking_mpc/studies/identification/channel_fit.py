@@ -153,14 +153,12 @@ def noise_of(residuals: NDArray[np.float64], least: float) -> NoiseModel:
         return NoiseModel(np.ones(1), least)
     best, chosen = np.inf, NoiseModel(np.ones(1), 1.0)
     for order in ORDERS:
-        polynomial, variance = np.ones(1), covariance[0]
-        if order:
-            weights = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
-            polynomial = np.concatenate([[1.0], -weights])
-            variance = covariance[0] - weights @ covariance[1 : order + 1]
-        variance = max(variance, least**2)
+        later = covariance[1 : order + 1]
+        weights = solve_toeplitz(covariance[:order], later) if order else later
+        variance = max(covariance[0] - weights @ later, least**2)
         criterion = count * np.log(variance) + order * np.log(count)
         if criterion < best:
+            polynomial = np.concatenate([[1.0], -weights])
             best, chosen = criterion, NoiseModel(polynomial, float(np.sqrt(variance)))
     return chosen
 
