@@ -202,10 +202,8 @@ def violations(
         bank_tolerance = max(bank_tolerance, SHAKEN_BANK)
     passed = {}
     for limit in parameters.envelope.limits:
-        motion, targets = at_samples, log.target
-        if limit.of_rates:
-            motion, targets = between, log.target[:-1]
-        bound = limit.flown(motion, limit.numbers(targets).T)
+        motion = between if limit.of_rates else at_samples
+        bound = limit.flown(motion, limit.numbers(log.target[: len(motion.x)]).T)
         if bound is not None:
             allowed = tolerance
             if isinstance(limit, Bank):
