@@ -45,7 +45,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.cli import benchmark
 from uav_tracking_mpc.cli.program import CommandParser, explained
-from uav_tracking_mpc.mpc.casadi_solver import PlanGuess, hard_and_soft, plan_guesses
+from uav_tracking_mpc.mpc.casadi_solver import (
+    NonlinearProgram,
+    PlanGuess,
+    hard_and_soft,
+    plan_guesses,
+)
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solver import Guess, Solution, Status, solve_data
 from uav_tracking_mpc.studies.benchmark.optimality import OptimalityMeasure
@@ -78,7 +83,7 @@ class AcadosPeer:
     def __init__(self, problem: OptimalControlProblem, name: str, interpreter: str) -> None:
         self.name, self.problem, self.lost = name, problem, ""
         self._last: Solution | None = None
-        self._measure = OptimalityMeasure(problem)
+        self._measure, self._model = OptimalityMeasure(problem), NonlinearProgram(problem)
         self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115
         try:
             self._program = subprocess.Popen(
@@ -153,7 +158,12 @@ class AcadosPeer:
         if self.lost:
             return Solution.without_plan(problem, Status.FAILED, self.lost, 0.0)
         guesses = plan_guesses(
-            problem, state, self._last, elapsed, guess, partial(self._measure.rollout, state, p)
+            problem,
+            state,
+            self._last,
+            elapsed,
+            guess,
+            lambda inputs, decision: self._model.rollout(state, inputs, p, decision),
         )
         try:
             solved = [self._solve_from(begin, state, p, cold) for begin in guesses]

@@ -77,26 +77,6 @@ class OptimalityMeasure:
         cost = numbers[0] + _penalty(numbers[1:], self._stage_penalties)
         return float(cost), _vector(following)
 
-    def rollout(
-        self,
-        initial_state: NDArray[np.float64],
-        parameters: NDArray[np.float64],
-        inputs: NDArray[np.float64],
-        decision: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        """States x_0..x_N under inputs, shape (N + 1, nx).
-
-        Args:
-            initial_state: x_0, shape (nx,).
-            parameters: p_0..p_N, shape (N + 1, np).
-            inputs: u_0..u_{N-1}, shape (N, nu).
-            decision: a, shape (na,).
-        """
-        states = [initial_state]
-        for u, p in zip(inputs, parameters, strict=False):
-            states.append(_vector(self._stage(states[-1], u, p, decision)[0]))
-        return np.array(states)
-
     def __call__(
         self,
         initial_state: NDArray[np.float64],
