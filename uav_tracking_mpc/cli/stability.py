@@ -123,9 +123,8 @@ def _guaranteed(arguments: argparse.Namespace, configuration: Configuration) -> 
 
 def _analysed(arguments: argparse.Namespace, configuration: Configuration) -> Study:
     from uav_tracking_mpc.formulation.paper_formulation import stability_problem
-    from uav_tracking_mpc.studies.stability.design import design
     from uav_tracking_mpc.studies.stability.proof import BOXES
-    from uav_tracking_mpc.studies.stability.stability_study import stability_study
+    from uav_tracking_mpc.studies.stability.stability_study import design, stability_study
 
     problem = stability_problem(configuration.controller, configuration.name)
     boxes = arguments.boxes or BOXES

@@ -18,8 +18,7 @@ import pytest
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.studies.stability.analysis import analyse
-from uav_tracking_mpc.studies.stability.design import design
-from uav_tracking_mpc.studies.stability.stability_study import as_json, as_words
+from uav_tracking_mpc.studies.stability.stability_study import as_json, as_words, design
 from uav_tracking_mpc.terminal.ingredients import paper_problem
 
 TIGHT = Orbit(range=51.0, altitude=50.0, speed=9.0)

@@ -15,11 +15,11 @@
 """The paper's Section 5 as a report: what is wrong in it, what is proved, what flights show.
 
 ======================  ==========================================================================
-``stability_study``     everything below, for one configuration: JSON, words, pictures
+``stability_study``     everything below, for one configuration: JSON, words, pictures; its design:
+                        rho and weights for the largest certified region
 ``analysis``            Theorems 2 and 3, states that break what they need, the levels, the proof
 ``proof``               what makes x'P_rho x <= varrho a terminal set; its proof, its certificate
 ``paper_report``        what the paper prints beside the truth, as a table and as a page
 ``stability_campaign``  maps of X_N (20); what was proved, flown
-``design``              rho and weights for the largest certified region
 ======================  ==========================================================================
 """

@@ -12,13 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""All that is computed of one configuration: analysis, the paper's numbers, campaigns, maps."""
+"""Studies of a configuration with a terminal set: all that is computed of it, and its design."""
 
 from __future__ import annotations
 
 import io
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -29,14 +30,28 @@ from matplotlib.figure import Figure
 from uav_tracking_mpc.report.atomic_write import json_text
 from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREEN, OTHERS, VERMILLION, drawing
 from uav_tracking_mpc.report.pages import Table
-from uav_tracking_mpc.studies.stability.analysis import THEOREMS, Analysis, LevelBound, Say, analyse
+from uav_tracking_mpc.studies.stability.analysis import (
+    THEOREMS,
+    Analysis,
+    LevelBound,
+    Say,
+    analyse,
+    lowest_violation,
+    obstacle,
+)
 from uav_tracking_mpc.studies.stability.paper_report import (
     numbers_table,
     paper_as_printed,
     paper_report,
     verdicts,
 )
-from uav_tracking_mpc.studies.stability.proof import BOXES, certificate
+from uav_tracking_mpc.studies.stability.proof import (
+    BOXES,
+    allowed_level,
+    certificate,
+    limits,
+    prove_direct_condition,
+)
 from uav_tracking_mpc.studies.stability.stability_campaign import (
     COORDINATES,
     UNITS,
@@ -328,3 +343,147 @@ def stability_study(
             figures["ellipsoid"] = partial(ellipsoid_figure, problem, level)
             figures["decrease"] = partial(decrease_figure, problem, marks, ceiling)
     return Study("stability", content, words, figures=figures, files=files, good=analysis.certified)
+
+
+SCALINGS = (1.5, 2.5, 4.0, 8.0)  # -, times P
+INPUT_FACTORS = (0.3, 1.0, 3.0, 10.0, 30.0)  # -, times R
+
+# One choice of weights: ``scaling``, rho; ``input_factor``, R over the R asked for; ``level``, the
+# varrho that U, the domain and the search for violations allow; ``volume`` of X_f and ``cost``, of
+# kappa_l in closed loop from common states, both relative to the choice asked for; ``extents``,
+# half-widths of X_f in [m, rad, m, rad, m/s]; ``binding``, the limit that is in the way of a larger
+# set; ``proved``, whether the direct condition was, None where it was not tried.
+Candidate = dict[str, Any]
+
+
+def design(
+    problem: StabilityProblem,
+    say: Say = lambda _: None,
+    scalings: tuple[float, ...] = SCALINGS,
+    input_factors: tuple[float, ...] = INPUT_FACTORS,
+    boxes: int = BOXES,
+) -> Study:
+    """Search rho and the scale of R against Q for the largest certified region.
+
+    X_f grows in a norm that itself changes with rho, Q and R, so regions are compared by volume:
+    that of x'P_rho x <= varrho is proportional to sqrt(varrho^5 / det P_rho). Only the ratio of Q
+    to R matters to K, and rho only to the decrease; both move varrho as far as U allows. Against it
+    stands the cost of flying: the same flights, scored with the weights that were asked for.
+
+    Args:
+        problem: What is asked for.
+        say: Told what is being done.
+        scalings: Values of rho [-].
+        input_factors: Factors of R [-].
+        boxes: Budget of each proof.
+
+    Returns:
+        Its content: the candidate that is ``asked``; all ``candidates``, largest volume first; the
+        ``best``, the largest proved one, or None; ``words``.
+    """
+    choices = [
+        (problem.scaling, 1.0),
+        *((scaling, factor) for factor in input_factors for scaling in scalings),
+    ]
+    raw = []
+    for choice in dict.fromkeys(choices):
+        say("rho = {:g}, R times {:g}".format(*choice))
+        raw.append(_candidate(problem, *choice))
+    volume, cost = raw[0]["volume"] or 1.0, raw[0]["cost"]
+    for each in raw:
+        each |= {"volume": each["volume"] / volume, "cost": each["cost"] / cost}
+    asked, ranked, best = {**raw[0]}, sorted(raw, key=lambda each: -each["volume"]), None
+    for each in ranked:
+        if each["volume"] <= 0.0:
+            break
+        say("proving rho = {scaling:g}, R times {input_factor:g}".format_map(each))
+        changed = changed_problem(problem, each["scaling"], each["input_factor"])
+        outcome = prove_direct_condition(changed, changed.ingredients(), each["level"], boxes)
+        say(outcome.reason)
+        each["proved"] = outcome.holds
+        if outcome.holds:
+            best = each
+            break
+    words = _words(problem, asked, best)
+    content = {"asked": asked, "candidates": ranked, "best": best, "words": words}
+    return Study("design", content, [words, _table(ranked)], good=best is not None)
+
+
+def changed_problem(
+    problem: StabilityProblem, scaling: float, input_factor: float
+) -> StabilityProblem:
+    """The configuration with another rho [-] and R scaled by a factor [-]."""
+    return replace(problem, scaling=scaling, input_weight=input_factor * problem.input_weight)
+
+
+def _candidate(asked: StabilityProblem, scaling: float, input_factor: float) -> Candidate:
+    changed = changed_problem(asked, scaling, input_factor)
+    parts = changed.ingredients()
+    inputs, domain = limits(changed, parts)
+    level = allowed_level(inputs, domain)
+    binding = (inputs if inputs.level <= domain.level else domain).name
+    if level <= 0.0:
+        level, binding = 0.0, obstacle(inputs, domain)
+    else:
+        found = lowest_violation(decrease_excess(changed, parts), level, rays=3000, starts=6)
+        if found is not None and found.level < level:
+            level, binding = 0.97 * found.level, "the decrease of V_f"
+    return {
+        "scaling": scaling,
+        "input_factor": input_factor,
+        "level": level,
+        "volume": float(np.sqrt(level**5 / np.linalg.det(parts.weight))),
+        "extents": np.sqrt(level * np.diag(np.linalg.inv(parts.weight))).tolist(),
+        "cost": _cost(asked, parts.gain),
+        "binding": binding,
+        "proved": None,
+    }
+
+
+def _cost(asked: StabilityProblem, gain: np.ndarray, steps: int = 120) -> float:
+    """Mean cost of kappa_l in the weights asked for, from states common to all candidates."""
+    weight, total = asked.ingredients().weight, 0.0
+    states = np.sqrt(0.5) * directions(weight, 200, np.random.default_rng(0))
+    for x in local_flights(asked, gain, states, steps - 1):
+        u = x @ gain.T
+        total += float(np.einsum("ki,ij,kj->", x, asked.state_weight, x))
+        total += float(np.einsum("ki,ij,kj->", u, asked.input_weight, u))
+    return total / len(states) if np.isfinite(total) else float("inf")
+
+
+def _table(candidates: list[Candidate]) -> Table:
+    proved = {True: "yes", False: "no", None: "-"}
+    rows = [
+        [
+            f"{each['scaling']:g}",
+            f"{each['input_factor']:g}",
+            f"{each['level']:.4g}",
+            f"{each['volume']:.3g}",
+            f"{each['cost']:.3f}",
+            proved[each["proved"]],
+            each["binding"],
+        ]
+        for each in candidates
+    ]
+    headings = ("rho", "R times", "varrho", "volume", "cost", "proved", "limited by")
+    return Table(headings, rows, numeric=headings[:5])
+
+
+def _words(problem: StabilityProblem, asked: Candidate, best: Candidate | None) -> str:
+    orbit = problem.orbit
+    name = f"orbit r = {orbit.range:g} m, z = {orbit.altitude:g} m, v = {orbit.speed:g} m/s"
+    if best is None:
+        return (
+            f"{name}: no choice of rho and R tried has a certified region. In the way: "
+            f"{asked['binding']}."
+        )
+    units = ("m", "rad", "m", "rad", "m/s")
+    pairs = zip(best["extents"], units, strict=True)
+    spans = ", ".join(f"{value:.3g} {unit}" for value, unit in pairs)
+    return (
+        f"{name}: as asked, varrho = {asked['level']:.4g}, limited by {asked['binding']}. Largest "
+        f"proved: rho = {best['scaling']:g}, R times {best['input_factor']:g}, "
+        f"varrho = {best['level']:.4g}, {best['volume']:.3g} times the volume, half-widths "
+        f"{spans}, limited by {best['binding']}; closed-loop cost {best['cost']:.3f} times that "
+        "of the choice asked for."
+    )
