@@ -107,7 +107,7 @@ class Specification:
         least = -math.inf if self.lower is None else self.lower
         most = math.inf if self.upper is None else self.upper
         for number in checked if isinstance(checked, tuple) else (checked,):
-            if _is_number(number) and not (least <= number <= most and math.isfinite(number)):
+            if is_number(number) and not (least <= number <= most and math.isfinite(number)):
                 raise self._error(value)
         if self.choices or self.extension:
             named = checked in self.choices or (self.extension and ":" in str(checked))
@@ -120,12 +120,12 @@ class Specification:
             if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
                 raise self._error(value)
             elements = tuple(value)
-            if not all(_is_number(element) for element in elements):
+            if not all(is_number(element) for element in elements):
                 raise self._error(value)
             if len(elements) != self.size if self.size else len(elements) % self.multiple:
                 raise self._error(value)
             return tuple(self._float(element) for element in elements)
-        if isinstance(self.default, float) and _is_number(value):
+        if isinstance(self.default, float) and is_number(value):
             return self._float(value)
         alike = isinstance(value, bool) is isinstance(self.default, bool)
         if alike and isinstance(value, type(self.default)):
@@ -145,7 +145,12 @@ class Specification:
         )
 
 
-def _is_number(value: Any) -> TypeGuard[float]:
+def is_number(value: Any) -> TypeGuard[float]:
+    """Whether a value is a number; true and false are none.
+
+    Args:
+        value: Of any type.
+    """
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 

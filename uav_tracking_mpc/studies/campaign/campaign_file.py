@@ -64,6 +64,7 @@ from uav_tracking_mpc.parameters.specification import (
     Parameters,
     Specification,
     from_mapping,
+    is_number,
     parameter,
 )
 from uav_tracking_mpc.settings.configuration import (
@@ -139,7 +140,7 @@ class Distribution:
             raise ParameterError(f"'{key}': {kind} is {arguments!r}, must have {count} values")
         if kind in NUMBERS:
             right, words = NUMBERS[kind]
-            if not all(_is_number(x) and math.isfinite(x) for x in arguments):
+            if not all(is_number(x) and math.isfinite(x) for x in arguments):
                 right, words = (lambda *_: False), "finite numbers"
             if not right(*arguments):
                 raise ParameterError(f"'{key}': {kind} is {arguments!r}, must be {words}")
@@ -187,10 +188,6 @@ class Distribution:
         if self.kind == CHOICE:
             return drawn if random.random() < share else neutral
         return neutral + share * (drawn - neutral)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 ONE, ALL, NO = "one", "all", "none"
@@ -358,7 +355,7 @@ class Campaign:
     @property
     def words(self) -> set[str]:
         """Inputs whose values are not all numbers."""
-        return {key for key, each in self._draws if not all(map(_is_number, each.ends))}
+        return {key for key, each in self._draws if not all(map(is_number, each.ends))}
 
     @property
     def _draws(self) -> list[tuple[str, Distribution]]:

@@ -28,6 +28,7 @@ from uav_tracking_mpc.parameters.specification import (
     ParameterError,
     Specification,
     from_mapping,
+    is_number,
     specifications,
 )
 from uav_tracking_mpc.settings.configuration import SECTIONS, Sections
@@ -187,7 +188,7 @@ def check_value(sections: Sections, key: str, value: Any) -> None:
     """
     place = _input(sections, key)
     if isinstance(place, Derived):
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        if not is_number(value):
             raise ParameterError(f"'{key}' is {value!r}, must be a number: {place.words}")
         return
     trial: Sections = {section: dict(values) for section, values in sections.items()}
