@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
-from uav_tracking_mpc.parameters.conformance import ConformanceError, require, require_name
+from uav_tracking_mpc.parameters.conformance import judged, require, require_name
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
 COUNT = 50  # random motions and orbits
@@ -41,12 +41,8 @@ def check_limit(limit: type[Limit]) -> None:
             differs between numbers and symbols, or between one motion and many.
     """
     name = require_name(limit)
-    try:
+    with judged(name):
         _check(limit())
-    except ConformanceError:
-        raise
-    except Exception as error:  # whatever it raises is what its author wants to know
-        raise ConformanceError(f"{name}: {type(error).__name__}: {error}") from error
 
 
 def _check(limit: Limit) -> None:

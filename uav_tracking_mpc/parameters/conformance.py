@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,24 @@ import numpy as np
 
 class ConformanceError(AssertionError):
     """An extension does not keep what its base asks for; the message says what and where."""
+
+
+@contextmanager
+def judged(name: str) -> Iterator[None]:
+    """Let a check end by its own errors alone: whatever else it raises, its author wants to know.
+
+    Args:
+        name: Of the extension that is checked.
+
+    Raises:
+        ConformanceError: The check has raised something.
+    """
+    try:
+        yield
+    except ConformanceError:
+        raise
+    except Exception as error:
+        raise ConformanceError(f"{name}: {type(error).__name__}: {error}") from error
 
 
 def require(holds: object, words: str) -> None:

@@ -29,12 +29,7 @@ from uav_tracking_mpc.dynamics.vehicle_models import (
     VehicleState,
     step_function,
 )
-from uav_tracking_mpc.parameters.conformance import (
-    ConformanceError,
-    require,
-    require_name,
-    require_vector,
-)
+from uav_tracking_mpc.parameters.conformance import judged, require, require_name, require_vector
 
 COUNT = 50  # random states
 INSTANT = 1e-3  # s, of the step whose slope is compared with the kinematics
@@ -56,7 +51,7 @@ def check_model(model: type[VehicleModel]) -> None:
     begins = tuple(getattr(model.State, "_fields", ()))[: len(VehicleState._fields)]
     wanted = VehicleState._fields
     require(begins == wanted, f"{name}: State begins with {begins}, must begin with {wanted}")
-    try:
+    with judged(name):
         made = model()
         require_vector(made.lags, 1e3, f"{name}: lags")
         require(np.all(np.asarray(made.lags) >= 0.0), f"{name}: a lag is negative")
@@ -64,10 +59,6 @@ def check_model(model: type[VehicleModel]) -> None:
         for _ in range(COUNT):
             _check_step(made, random)
         _check_turn(made)
-    except ConformanceError:
-        raise
-    except Exception as error:  # whatever it raises is what its author wants to know
-        raise ConformanceError(f"{name}: {type(error).__name__}: {error}") from error
 
 
 def _check_step(model: VehicleModel, random: np.random.Generator) -> None:

@@ -20,7 +20,7 @@ import math
 import random
 from typing import TYPE_CHECKING
 
-from uav_tracking_mpc.parameters.conformance import ConformanceError, require, require_name
+from uav_tracking_mpc.parameters.conformance import judged, require, require_name
 from uav_tracking_mpc.studies.faults.kinds import Fault
 
 if TYPE_CHECKING:
@@ -43,17 +43,13 @@ def check_fault(fault: type[Fault]) -> None:
             or does not deliver the same to the same seed.
     """
     name = require_name(fault)
-    try:
+    with judged(name):
         variants, again = list(fault.variants()), list(fault.variants())
         labels = [variant.label for variant in variants]
         require(variants, f"{name}: it has no variants")
         require(len(set(labels)) == len(labels), f"{name}: two variants are called alike: {labels}")
         for variant, other in zip(variants, again, strict=True):
             _check(variant, other)
-    except ConformanceError:
-        raise
-    except Exception as error:  # whatever it raises is what its author wants to know
-        raise ConformanceError(f"{name}: {type(error).__name__}: {error}") from error
 
 
 def _check(fault: Fault, again: Fault) -> None:
