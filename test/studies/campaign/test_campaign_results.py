@@ -30,6 +30,7 @@ from uav_tracking_mpc.studies.campaign.campaign_results import (
     campaign_study,
     common_traits,
     quantiles,
+    trait_table,
     worst_first,
 )
 from uav_tracking_mpc.studies.campaign.campaign_run import run_campaign
@@ -98,6 +99,16 @@ def test_what_failures_have_in_common_is_found(rows):
 )
 def test_chance_is_not_told_and_two_failures_have_nothing_to_tell(rows, chosen):
     assert common_traits(rows, ["wind", "noise", "motion"], chosen) == []
+
+
+@pytest.mark.parametrize(
+    ("rule", "words"), [("> 1.2e+04", "x > 1.2e+04"), ("= lag+sensors", "x = lag + sensors")]
+)
+def test_errors_that_came_together_are_told_apart_and_numbers_are_whole(rule, words):
+    trait = {"input": "x", "rule": rule, "share": 1.0, "others": 0.0, "p_value": 0.01}
+    found = {"l1": {"failed_have_in_common": [trait], "worst_have_in_common": []}}
+    (row,) = trait_table(found).rows
+    assert row[2] == words
 
 
 def test_quantiles_are_values_that_were_flown_and_a_missing_one_is_the_worst():

@@ -344,7 +344,7 @@ def trait_table(laws: Mapping[str, Any]) -> Table:
         [
             law,
             words,
-            f"{trait['input']} {trait['rule']}".replace("+", " + "),
+            f"{trait['input']} {_told_apart(trait['rule'])}",
             *(f"{100.0 * trait[share]:.0f}" for share in ("share", "others")),
             f"{trait['p_value']:.1g}",
         ]
@@ -354,6 +354,11 @@ def trait_table(laws: Mapping[str, Any]) -> Table:
     ]
     headings = ("law", "flights", "property", "share here [%]", "elsewhere [%]", "p")
     return Table(headings, rows, numeric=headings[3:], title="Common properties")
+
+
+def _told_apart(rule: str) -> str:
+    """A rule with room between the errors that came together; a number keeps its exponent."""
+    return rule.replace("+", " + ") if rule.startswith("= ") else rule
 
 
 def worst_table(worst: Sequence[Mapping[str, Any]]) -> Table:
