@@ -154,11 +154,6 @@ class Distribution:
         return self.kind == SWEPT
 
     @property
-    def varies(self) -> bool:
-        """Whether flights may differ in it."""
-        return self.kind != CONSTANT
-
-    @property
     def ends(self) -> tuple[Any, ...]:
         """Values between which all lie that can be drawn; none where there are no such."""
         return () if self.kind == "normal" else self.arguments
@@ -350,7 +345,7 @@ class Campaign:
     @property
     def inputs(self) -> list[str]:
         """Keys in which flights may differ, each once."""
-        return list(dict.fromkeys(key for key, each in self._draws if each.varies))
+        return list(dict.fromkeys(key for key, each in self._draws if each.kind != CONSTANT))
 
     @property
     def words(self) -> set[str]:
