@@ -29,6 +29,8 @@ from uav_tracking_mpc.settings.tracking import PREDICTIVE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Say = Callable[[str], None]  # told in words what is being done
+
 
 def plain(content: Any) -> Any:
     """Values as JSON knows them: what is not finite becomes null, a tuple a list."""

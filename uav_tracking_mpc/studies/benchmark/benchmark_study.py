@@ -54,7 +54,7 @@ from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.benchmark.optimality import OptimalityMeasure
 from uav_tracking_mpc.studies.feasibility_study import Start, flight_start, random_situations
-from uav_tracking_mpc.studies.study import Study
+from uav_tracking_mpc.studies.study import Say, Study
 from uav_tracking_mpc.terminal.ingredients import PAPER_INITIAL_STATE
 
 OURS = "ours"
@@ -62,10 +62,9 @@ TRANSIENT_STEPS = 30  # control steps from the start
 LOOP_STEPS = 60  # control steps of the closed loop
 COST_MARGIN = 1e-3  # -, relative difference: a cost this close to the best found counts as the best
 
-Progress = Callable[[str], None]
 # More solvers of a problem by name, and who is told of those that cannot be had: what was lost on
 # the way is no longer among them at the end.
-Peers = Callable[[OptimalControlProblem, Progress], AbstractContextManager[Mapping[str, Solver]]]
+Peers = Callable[[OptimalControlProblem, Say], AbstractContextManager[Mapping[str, Solver]]]
 
 
 @dataclass(frozen=True)
@@ -207,7 +206,7 @@ def measure(
     cold: int,
     peers_cold: int,
     seed: int,
-    progress: Progress = lambda _: None,
+    progress: Say = lambda _: None,
 ) -> dict[str, Record]:
     """Run a case with solvers, :data:`OURS` among them.
 

@@ -50,7 +50,7 @@ from uav_tracking_mpc.report.atomic_write import write_atomically
 from uav_tracking_mpc.report.metrics import microseconds
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults.resources import Usage, usage
-from uav_tracking_mpc.studies.study import Study
+from uav_tracking_mpc.studies.study import Say, Study
 
 ECHO_ODOMETRY, ECHO_AIR_VELOCITY, ECHO_COMMAND = (
     replace(topic, name=f"echo/{topic.name}") for topic in (ODOMETRY, AIR_VELOCITY, COMMAND)
@@ -210,8 +210,6 @@ TURNS = 3  # with the page, and as many without
 SETTLING = 5.0  # s after a page was opened or closed that do not count
 CONTROLLER, PAGE, READER = "nmpc_controller", "page", "page_reader"
 
-Progress = Callable[[str], None]
-
 
 # A time that passed: ``begin`` and ``end`` by the clock of the round trips in [s], and what a
 # process used in it: ``cpu``, the share of a core, ``memory`` at the end and ``growth`` in [MB].
@@ -320,7 +318,7 @@ def _line(name: str, row: dict[str, float]) -> str:
     )
 
 
-def node_latency(configuration: Configuration, duration: float, progress: Progress) -> Study:
+def node_latency(configuration: Configuration, duration: float, progress: Say) -> Study:
     """Fly in wall time and measure.
 
     Args:
@@ -369,7 +367,7 @@ def watched_latency(
     configuration: Configuration,
     aircraft: Sequence[int],
     duration: float,
-    progress: Progress,
+    progress: Say,
     turns: int = TURNS,
 ) -> Study:
     """Fly in wall time, open and close a page, and measure.
@@ -413,7 +411,7 @@ def watched_latency(
 
 
 def _watched(
-    configuration: Configuration, count: int, duration: float, progress: Progress, turns: int
+    configuration: Configuration, count: int, duration: float, progress: Say, turns: int
 ) -> dict[str, Any]:
     spans: dict[str, list[_Span]] = {"without": [], "with": []}
     progress(f"{count} aircraft: warm-up")

@@ -43,6 +43,7 @@ from uav_tracking_mpc.studies.stability.proof import (
     prove,
     prove_direct_condition,
 )
+from uav_tracking_mpc.studies.study import Say
 from uav_tracking_mpc.terminal.ingredients import (
     Excess,
     StabilityProblem,
@@ -54,7 +55,6 @@ from uav_tracking_mpc.terminal.ingredients import (
 )
 from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound
 
-Say = Callable[[str], None]
 ASCENTS = 12  # starts of a search for the largest ratio
 _SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # -, of the level at which a violation is known
 

@@ -34,7 +34,6 @@ from uav_tracking_mpc.studies.stability.analysis import (
     THEOREMS,
     Analysis,
     LevelBound,
-    Say,
     analyse,
     lowest_violation,
     obstacle,
@@ -64,7 +63,7 @@ from uav_tracking_mpc.studies.stability.stability_campaign import (
     random_states,
     save_maps,
 )
-from uav_tracking_mpc.studies.study import Study, plain
+from uav_tracking_mpc.studies.study import Say, Study, plain
 from uav_tracking_mpc.terminal.certificate import problem_parameters
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
 
