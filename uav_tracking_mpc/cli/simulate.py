@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import argparse
 import logging
-from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.options import (
     add_excite_argument,
@@ -30,11 +29,6 @@ from uav_tracking_mpc.cli.options import (
 )
 from uav_tracking_mpc.cli.program import answer
 from uav_tracking_mpc.cli.view import check_page, opened_page, serve_until_signal
-
-if TYPE_CHECKING:
-    from uav_tracking_mpc.settings.configuration import Configuration
-    from uav_tracking_mpc.simulation.closed_loop import Witness
-    from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 logger = logging.getLogger(__name__)
 
@@ -90,7 +84,13 @@ def run(arguments: argparse.Namespace) -> int:
         logger.warning(warning)
     witness = FlightWitness() if any(configuration.controller.excitation) else None
     if arguments.view:
-        log = _watched(configuration, arguments, witness)
+        from uav_tracking_mpc.view.simulated_source import SimulatedSource
+
+        check_page()
+        source = SimulatedSource(configuration, witness)
+        with opened_page(source, arguments) as page:
+            serve_until_signal(page, source)
+        log = source.log()
     else:
         with Progress(console=Console(stderr=True), transient=True) as progress:
             task = progress.add_task("simulating", total=configuration.mission.duration)
@@ -106,16 +106,3 @@ def run(arguments: argparse.Namespace) -> int:
         save_animation(log, arguments.output / "flight.gif")
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
     return 0
-
-
-def _watched(
-    configuration: Configuration, arguments: argparse.Namespace, witness: Witness | None
-) -> FlightLog:
-    """Fly on a page until SIGINT or SIGTERM."""
-    from uav_tracking_mpc.view.simulated_source import SimulatedSource
-
-    check_page()
-    source = SimulatedSource(configuration, witness)
-    with opened_page(source, arguments) as page:
-        serve_until_signal(page, source)
-    return source.log()
