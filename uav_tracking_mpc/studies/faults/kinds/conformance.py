@@ -18,13 +18,12 @@ from __future__ import annotations
 
 import math
 import random
-from typing import TYPE_CHECKING
+
+from rclpy.serialization import deserialize_message, serialize_message
 
 from uav_tracking_mpc.parameters.conformance import judged, require, require_name
 from uav_tracking_mpc.studies.faults.kinds import Fault
-
-if TYPE_CHECKING:
-    from uav_tracking_mpc.studies.faults.stream_fault import StreamFault
+from uav_tracking_mpc.studies.faults.stream_fault import STREAMS, StreamFault
 
 COUNT = 50  # messages of each topic
 REACH = 300.0  # m
@@ -53,8 +52,6 @@ def check_fault(fault: type[Fault]) -> None:
 
 
 def _check(fault: Fault, again: Fault) -> None:
-    from uav_tracking_mpc.studies.faults.stream_fault import STREAMS, StreamFault
-
     family, (shortest, longest) = getattr(fault, "family", ""), fault.duration
     require(isinstance(family, str) and family, f"{fault.label}: it has no `family`")
     words = f"{fault.label}: its duration is {fault.duration}, must be shortest and longest in s"
@@ -70,8 +67,6 @@ def _check(fault: Fault, again: Fault) -> None:
 
 def _delivered(fault: StreamFault) -> list[tuple[float, str]]:
     """What arrives of some messages of each topic."""
-    from rclpy.serialization import deserialize_message, serialize_message
-
     fault.prepare(random.Random(0), REACH)
     arrived = []
     for topic in fault.streams:
