@@ -381,21 +381,17 @@ def _compared(
     after: str = "",
 ) -> Row:
     """A row whose verdict says whether a printed number is reproduced."""
-    verdict = before + _numeric_verdict(stated, values, tolerance) + after
-    return _row(name, equation, stated, values, verdict)
-
-
-def _numeric_verdict(stated: float, values: list[float], tolerance: float) -> str:
     names = ("the printed A", "(11)", "the exact model")
     differences = [value / stated - 1.0 for value in values]
     matching = [n for n, d in zip(names, differences, strict=True) if abs(d) <= tolerance]
-    if matching:
-        return f"reproduced within {tolerance:.1%} with {' and '.join(matching)}"
     best = int(np.argmin(np.abs(differences)))
-    return (
-        f"not reproduced: the nearest, with {names[best]}, is {values[best]:.4g}, "
+    verdict = (
+        f"reproduced within {tolerance:.1%} with {' and '.join(matching)}"
+        if matching
+        else f"not reproduced: the nearest, with {names[best]}, is {values[best]:.4g}, "
         f"{values[best] / stated:.2f} times the printed value"
     )
+    return _row(name, equation, stated, values, before + verdict + after)
 
 
 def paper_as_printed() -> dict[str, Any]:
