@@ -34,7 +34,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -51,9 +51,6 @@ from uav_tracking_mpc.studies.campaign.uncertain_inputs import read, write
 from uav_tracking_mpc.studies.comparison.measures import measures
 from uav_tracking_mpc.studies.comparison.scenarios import law_label, law_labels
 from uav_tracking_mpc.studies.executors import Executor, tracked
-
-if TYPE_CHECKING:
-    import pyarrow
 
 
 @dataclass(frozen=True)
@@ -324,8 +321,8 @@ class FlightStore:
         return buffer.getvalue()
 
 
-def _schema(campaign: Campaign) -> pyarrow.Schema:
-    """Columns: flight, law and group; what was drawn; what came of it."""
+def _schema(campaign: Campaign) -> Any:
+    """Columns, for pyarrow: flight, law and group; what was drawn; what came of it."""
     import pyarrow
 
     text, number, count = pyarrow.string(), pyarrow.float64(), pyarrow.int64()
