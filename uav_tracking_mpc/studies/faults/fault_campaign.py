@@ -236,9 +236,9 @@ class FaultCampaign(ABC):
             more: What else ``--json`` prints.
         """
         families = {label: fault.family for label, fault in self._faults.items()}
-        about = {"config": self.configuration.name, "seed": seed}
-        content = {**about, **summary(self.found, families, **more)}
-        title = "{config}, seed {seed}".format_map(about)
+        config = self.configuration.name
+        content = {"config": config, "seed": seed, **summary(self.found, families, **more)}
+        title = f"{config}, seed {seed}"
         draw = partial(timeline, title, self.found, families, self.range_errors, self.tolerance)
         return Study(
             "torture",
@@ -346,11 +346,10 @@ def _counted(cases: Sequence[CaseFindings]) -> dict[str, Any]:
 
 def in_words(content: dict[str, Any]) -> list[str | Table]:
     """A :func:`summary` for people."""
-    rows = content["per_kind"].items()
     counts = ("faults", "violations", "loiters")
     cells = [
         [kind, *(str(row[name]) for name in counts), _time(row["worst_recovery_s"])]
-        for kind, row in rows
+        for kind, row in content["per_kind"].items()
     ]
     headings = ("kind", *counts, "worst recovery")
     words = [f"{content['violations']} violations"]
