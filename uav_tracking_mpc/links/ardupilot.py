@@ -311,7 +311,7 @@ class ArduPilotLink(MavlinkLink):
         if measured.airspeed is None:
             return
         limit = self.envelope().bank_max(measured.airspeed) or 0.0
-        turn_rate = float(inputs[0]) - self.heard.telemetry.direction.surplus
+        turn_rate = float(inputs[0]) - self.heard.telemetry.path.surplus
         bank = max(-limit, min(limit, bank_from_turn_rate(turn_rate, measured.airspeed)))
         self.heard.connection.send(
             mavlink.MAVLink_set_attitude_target_message(

@@ -45,13 +45,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.air import true_over_equivalent
-from uav_tracking_mpc.dynamics.frames import (
-    course_rates_from_euler,
-    heading_from_yaw,
-    turn_rate_from_bank,
-)
+from uav_tracking_mpc.dynamics.frames import course_rates_from_euler, heading_from_yaw
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
-from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, FlightDirection, past_nose
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, FlightPath
 from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
@@ -263,7 +259,7 @@ class Telemetry:
         wind: Velocity of the air in ``map`` by the autopilot, shape (3,), in [m/s]; None where it
             tells nothing.
         throttle: From 0 to 1 [-]; None until it is known.
-        direction: Where it flies, and how it turns by its bank.
+        path: Of the air, and how it turns beside its bank.
         newest: The newest measurement.
         distance: Of the newest position from the origin of ``map`` in [m]; 0 before the first.
             Beyond :data:`FARTHEST` none is measured.
@@ -282,7 +278,7 @@ class Telemetry:
         self.wind: NDArray[np.float64] | None = None
         self.newest: Measurement | None = None
         self.distance = 0.0
-        self.direction = FlightDirection()
+        self.path = FlightPath()
         self._accuracies = Accuracies()
         self.throttle: float | None = None
         self._calibrated: float | None = None
@@ -321,12 +317,6 @@ class Telemetry:
         newest = -math.inf if self.attitude is None else self.attitude.time
         if time >= newest and all(map(math.isfinite, values)) and abs(message.pitch) < STEEPEST:
             self.attitude = Attitude(time, message.roll, message.pitch, message.yaw, rates)
-            if (airspeed := self.airspeed or 0.0) >= LEAST_AIRSPEED:
-                by_bank = turn_rate_from_bank(message.roll, airspeed)
-                climb = 0.0 if self.newest is None else float(self.newest.ground_velocity[2])
-                path_angle = math.asin(min(max(climb / airspeed, -1.0), 1.0))
-                past = past_nose(message.roll, message.pitch, path_angle)
-                self.direction.see(time, heading_from_yaw(message.yaw) + past, by_bank)
 
     def _see_airspeed(self, message: Any, arrival: float) -> None:
         self.throttle = min(message.throttle * 1e-2, 1.0)
@@ -399,6 +389,7 @@ class Telemetry:
             noise=self._accuracies.noise(arrival),
             bank=attitude.roll,
         )
+        self.path.of(self.newest, airspeed or 0.0)
         return self.newest
 
 
