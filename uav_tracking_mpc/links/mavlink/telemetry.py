@@ -57,6 +57,7 @@ LONGEST = 1.0  # s of a round trip that tells anything
 AHEAD = 1.0  # s by which a stamp may lie in the future before its clock is doubted
 BACK = 1.0  # s by which a stamp may lie before the newest one before its clock is doubted
 WITNESSES = 3  # stamps or answers that must doubt the clock alike: one may be an old repeat
+DOUBTED_FOR = 0.1  # s of stamps that must: on a wire that repeats old frames several come in a row
 
 
 class RoundTrip(NamedTuple):
@@ -118,7 +119,8 @@ class AutopilotClock:
         if ahead or stamp < self._newest - BACK:
             alike = [other for other in self._doubts if abs(other - stamp) <= AHEAD]
             self._doubts = [*alike, stamp]
-            if len(self._doubts) < WITNESSES:
+            lasted = max(self._doubts) - min(self._doubts)
+            if len(self._doubts) < WITNESSES or lasted < DOUBTED_FOR:
                 return False
             self.restarts += 1
             self.forget()
