@@ -81,6 +81,13 @@ def test_the_first_view_of_an_orbit_is_the_same_a_little_beside_it_and_shows_the
     assert np.abs(picture(poses[0], words[None], aspect)).max() < 0.9
 
 
+@pytest.mark.parametrize(("window", "unfolded"), [(1400, True), (1200, True), (1000, False)])
+def test_the_legend_is_unfolded_where_the_orbit_then_stands_beside_it(window, unfolded):
+    opened = types.SimpleNamespace(aspect=2.0, image_width=window)
+    placed = types.SimpleNamespace(aspect=1.4, image_width=window - 344)  # the panel is there
+    assert bool(cameras.covered(opened, 340)) == bool(cameras.covered(placed)) == unfolded
+
+
 @pytest.mark.parametrize("view", [cameras.ORBIT, cameras.FREE, cameras.ABOVE])
 def test_the_orbit_stands_beside_the_legend(view):
     moved, covered = cameras.scene_pose(view, SIGHT), 0.3

@@ -59,7 +59,7 @@ OPENING = 3.0  # s of wall time in which the scene of a new page turns into its 
 OPENING_TURN = math.radians(50.0)  # by which that begins
 RESHAPED = 0.01  # of a picture's width by its height; less of a change is none
 LEGEND = 280.0  # pixels from the left that the legend takes
-ROOM = 920  # pixels; a smaller scene it would cover
+ROOM = 840  # pixels; a smaller scene it would cover
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
@@ -78,13 +78,14 @@ class Pose(NamedTuple):
     look_at: NDArray[np.float64]
 
 
-def covered(camera: viser.CameraHandle) -> float:
+def covered(camera: viser.CameraHandle, beside: float = 0.0) -> float:
     """Share of a picture's width that the legend covers; 0 where it is folded, since it is small.
 
     Args:
         camera: Of the page.
+        beside: Width of the panel that is still to take its place beside the picture, in pixels.
     """
-    width = camera.image_width
+    width = camera.image_width - beside
     return LEGEND / width if width >= ROOM and camera.aspect >= 1.0 else 0.0
 
 

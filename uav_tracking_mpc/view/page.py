@@ -102,7 +102,7 @@ def add_legend(client: viser.ClientHandle, colour: Colour, recorded: bool) -> No
     with panel.add_tab("What you see"):
         client.gui.add_html(legend(colour, recorded))
     panel.float(x=PLACE[0], y=PLACE[1], width=WIDTH)
-    if not covered(client.camera):
+    if not covered(client.camera, PANEL_WIDTH):
         panel.minimize()
 
 
