@@ -23,9 +23,9 @@ from uav_tracking_mpc.links.mavlink.engagement import PATIENCE, Engagement, Stat
 class Vehicle:
     """Tells its mode once a second."""
 
-    def __init__(self, on_mode=False):
+    def __init__(self, by_mode=None):
         self.events = EventLog()
-        self.engagement = Engagement(self.events, on_mode)
+        self.engagement = Engagement(self.events, by_mode)
         self.time = 0.0
 
     def tells(self, mode, armed=True, failsafe=False, after=1.0, silent=False):
@@ -96,10 +96,19 @@ def test_a_pilot_who_takes_over_while_the_link_is_dead_keeps_the_aircraft():
 
 
 def test_a_pilot_may_hand_over_by_the_mode_where_that_is_allowed():
-    vehicle = Vehicle(on_mode=True)
+    vehicle = Vehicle(by_mode=lambda: "")
     assert vehicle.tells("OURS") is State.IDLE  # nobody switched: it was found so
     vehicle.tells("LOITER")
     assert vehicle.tells("OURS") is State.ENGAGED
+
+
+def test_a_pilot_who_hands_over_by_the_mode_hears_why_nothing_is_commanded():
+    vehicle = Vehicle(by_mode=lambda: "no airspeed")
+    vehicle.tells("LOITER")
+    assert vehicle.tells("OURS") is State.IDLE
+    assert [event.words for event in vehicle.events.take()] == [
+        "not engaged by the mode: no airspeed"
+    ]
 
 
 def test_disengaged_is_said_once():

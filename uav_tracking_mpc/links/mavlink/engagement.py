@@ -25,6 +25,7 @@ was dead, and when it takes external commands up again by itself, ours go on.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from enum import Enum
 
 from uav_tracking_mpc.control.event import EventLog, Level
@@ -47,15 +48,16 @@ class Engagement:
 
     Args:
         events: Where changes are reported.
-        on_mode: Whether a pilot who switches to the mode of external commands engages.
+        by_mode: Where a pilot who switches to the mode of external commands engages: why this is
+            refused now, in words, or nothing; None where it never does.
 
     Attributes:
         state: Who flies.
     """
 
-    def __init__(self, events: EventLog, on_mode: bool = False) -> None:
+    def __init__(self, events: EventLog, by_mode: Callable[[], str] | None = None) -> None:
         self.state = State.IDLE
-        self._events, self._on_mode = events, on_mode
+        self._events, self._by_mode = events, by_mode
         self._since = -math.inf
         self._heard = math.inf
         self._back = self._told_at = -math.inf  # when a silence has ended, and a mode was told
@@ -135,7 +137,13 @@ class Engagement:
             self.give_up(f"mode {name}: the pilot or the autopilot took over")
 
     def _enter(self, switched: bool) -> None:
-        by_mode = self.state is State.IDLE and switched and self._on_mode
-        if by_mode or self.state in (State.ASKING, State.SUSPENDED):
-            self.state = State.ENGAGED
-            self._events.add(Level.INFO, "engaged: the aircraft flies our commands")
+        if self.state is State.ENGAGED:
+            return
+        if self.state is State.IDLE:
+            if self._by_mode is None or not switched:
+                return
+            if refusal := self._by_mode():
+                self._events.add(Level.WARNING, f"not engaged by the mode: {refusal}")
+                return
+        self.state = State.ENGAGED
+        self._events.add(Level.INFO, "engaged: the aircraft flies our commands")

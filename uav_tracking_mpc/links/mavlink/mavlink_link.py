@@ -141,7 +141,8 @@ class MavlinkLink(VehicleLink):
         self._forget()
 
     def _forget(self) -> None:
-        self.engagement = Engagement(self.events, self.parameters.engage_on_mode)
+        by_mode = self._refused if self.parameters.engage_on_mode else None
+        self.engagement = Engagement(self.events, by_mode)
         self.vehicle: dict[str, float] = {}
         self.orbit: FlownOrbit | None = None
         self._plan, self._latency = PlanFollower(), Latency()
@@ -338,16 +339,20 @@ class MavlinkLink(VehicleLink):
         if self._heard is None or self._heard.heartbeat is None:
             return "there is no autopilot to engage"
         with self._lock:
-            refusals = list(self.inspect().refusals)
-            if self.orbit is None:
-                refusals.append("there is nothing to fly yet: no command has come")
-            else:
-                refusals.append(self.refusal(self.orbit))
-            if words := "; ".join(filter(None, refusals)):
+            if words := self._refused():
                 return words
             mode = self.mode_name(self._heard.heartbeat.custom_mode)  # that was looked at
             self.engagement.ask(self.now(), mode)
         return ""
+
+    def _refused(self) -> str:
+        """Why nothing can be commanded now, in words; empty where all is well."""
+        refusals = list(self.inspect().refusals)
+        if self.orbit is None:
+            refusals.append("there is nothing to fly yet: no command has come")
+        else:
+            refusals.append(self.refusal(self.orbit))
+        return "; ".join(filter(None, refusals))
 
     def disengage(self) -> None:
         """See :meth:`VehicleLink.disengage`."""
