@@ -338,8 +338,11 @@ def _step() -> ca.Function:
         velocity_through = ca.vertcat(*vehicle_model.air_velocity(*guess, ca))
         no_airspeed = 1.0 if which == NO_AIRSPEED else out[0]
         loose = _loose(heading, no_airspeed, 1.0 if which == NO_HEADING else out[1])
-        walked = walks, air.unexplained
-        ahead.append(wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, *walked))
+        ahead.append(
+            wind_filter.predicted(
+                lane, dt, velocity_through, seen.scales, loose, walks, air.unexplained
+            )
+        )
     expected = wind_filter.expected_velocity(ahead[MAIN])
     ground = ca.if_else(odd, ca.if_else(no_airspeed_used, by_positions, expected), seen.ground)
     sample = wind_filter.sampled(ahead[MAIN], position, ground)

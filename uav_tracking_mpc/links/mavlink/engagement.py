@@ -16,10 +16,10 @@
 
 Nothing is commanded unless somebody engaged. From then on the autopilot's mode says who flies: its
 mode of external commands, and it is us; any other, and our commands end with the message that tells
-so, until somebody engages again. A pilot who changes the mode while we still ask for ours wants to
-fly, too. One thing is told apart: an autopilot that lost us goes into a
-failsafe of its own and says so (MAV_STATE_CRITICAL). If nothing was heard of it before, the link
-was dead, and when it takes external commands up again by itself, ours go on.
+so, until somebody engages again. A pilot who changes the mode while we still ask for ours ends the
+asking. One thing is told apart: an autopilot that lost us goes into a failsafe of its own and says
+so (MAV_STATE_CRITICAL). If nothing was heard of it before, the link was dead, and when it takes
+external commands up again by itself, ours go on.
 """
 
 from __future__ import annotations
