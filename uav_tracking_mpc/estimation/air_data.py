@@ -91,6 +91,7 @@ class AirData:
         failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
         nose: Where it points in [rad] and how it turns in [rad/s], where it is the bank that tells
             how the path does.
+        by_turn: Airspeed that bank and turn tell in [m/s]; inf where they tell none.
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
         stuck: Whether the heading is stuck, and whether the ground velocity is.
@@ -124,7 +125,7 @@ class AirData:
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose: tuple[float, float] | None = None
-        self.estimated = 0.0
+        self.estimated, self.by_turn = 0.0, math.inf
         self.impossible = False
         self._mirrored = 0.0
 
@@ -173,6 +174,7 @@ class AirData:
         of_path = self._path.of(measurement, plausible)
         by_gyros = measurement.heading, measurement.turn_rate
         self.nose = None if of_path is measurement else by_gyros
+        self.by_turn = math.inf if self.nose is None else plausible * self._path.airspeed_share
         if airspeed is not None:
             return of_path, of_path.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)

@@ -74,6 +74,7 @@ LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothin
 # m/s, standard deviations of what is not measured. Along the way enough that in hours nothing is
 # known of the wind there; of a heading no more than what a linearised turn bears.
 BLIND, WITHOUT_AIRSPEED = 100.0, 1e4
+TURN_SLIP = 0.15  # -, by which an aircraft that slips may turn quicker than its bank tells
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 MAIN, NO_AIRSPEED, NO_HEADING = range(3)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
@@ -83,7 +84,7 @@ LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
     rates=3, biased=3, turn_told=1, compass=1, stuck=2,
-    noise=3, position_noise=3, velocity_noise=3, scales=3,
+    noise=3, position_noise=3, velocity_noise=3, scales=3, by_turn=1,
 )  # fmt: skip
 MEMORY = Layout(
     **dict.fromkeys(LANES, LANE),
@@ -158,6 +159,7 @@ class AirEstimate:
         missing: bool,
         nose: tuple[float, float] | None = None,
         stuck: tuple[bool, bool] = (False, False),
+        by_turn: float = math.inf,
     ) -> SimpleNamespace:
         """Take in a measurement.
 
@@ -170,6 +172,7 @@ class AirEstimate:
             nose: Where it points by the compass in [rad] and how it turns by the gyros in [rad/s],
                 where psi and psi' are not by them.
             stuck: Whether the heading is stuck, and whether the ground velocity is.
+            by_turn: Airspeed that bank and turn tell in [m/s]; inf where they tell none.
 
         Returns:
             Aircraft and air as they are known, by :data:`FOUND`.
@@ -195,6 +198,7 @@ class AirEstimate:
             compass=compass,
             turn_told=turn_told,
             stuck=stuck,
+            by_turn=by_turn,
             noise=(noise.heading, noise.path_angle, noise.airspeed),
             position_noise=noise.position,
             velocity_noise=noise.velocity,
@@ -323,6 +327,14 @@ def _step() -> ca.Function:
     )
     placed.faded += ca.if_else(moved, state[P] - position, 0.0)
 
+    # A turn that is quicker than its bank: the airspeed reads too much, or the aircraft slips. That
+    # is known before the wind is, which then tells which of them, so alpha becomes uncertain.
+    excess = (1.0 - TURN_SLIP) * airspeed * (1.0 - state[ALPHA]) - seen.by_turn
+    compared = air.weight[sensor_check.AIRSPEED] >= sensor_check.COMPARED
+    unused = ca.logic_or(no_airspeed_used, ca.logic_or(out[0], compared))
+    excess = ca.if_else(unused, 0.0, ca.fmax(excess, 0.0))
+    unexplained = ca.fmax(air.unexplained, excess)
+
     # The filters of the wind. What is known of it in one direction tells no heading yet: a filter
     # that went by one would drift to and fro along a circle of winds, all of the same airspeed.
     turned = ca.if_else(wind_deviations[1] > sensor_check.WIND_IN_GUSTS, heading, turned)
@@ -340,7 +352,7 @@ def _step() -> ca.Function:
         loose = _loose(heading, no_airspeed, 1.0 if which == NO_HEADING else out[1])
         ahead.append(
             wind_filter.predicted(
-                lane, dt, velocity_through, seen.scales, loose, walks, air.unexplained
+                lane, dt, velocity_through, seen.scales, loose, walks, unexplained
             )
         )
     expected = wind_filter.expected_velocity(ahead[MAIN])

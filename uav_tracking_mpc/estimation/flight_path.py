@@ -89,11 +89,12 @@ class FlightDirection:
         heading: psi, counter-clockwise from East, in [rad]; not wrapped.
         rate: psi' in [rad/s].
         surplus: k r_s + b, what the turn rate exceeds that of a coordinated turn by, in [rad/s].
+        share: k [-].
     """
 
     def __init__(self) -> None:
-        self.heading = self.rate = self.surplus = 0.0
-        self._bank_rate = self._steady = self._share = self._rest = 0.0  # r_b, r_s, k, b
+        self.heading = self.rate = self.surplus = self.share = 0.0
+        self._bank_rate = self._steady = self._rest = 0.0  # r_b, r_s, b
         self._time = -math.inf
 
     def see(self, time: float, nose: float | None, bank_rate: float) -> None:
@@ -113,9 +114,9 @@ class FlightDirection:
             self.heading += 2.0 * FREQUENCY * step * swing
             self._steady += (1.0 - math.exp(-SLIP_FREQUENCY * step)) * (bank_rate - self._steady)
             learnt = FREQUENCY**2 * step * swing / (self._steady**2 + STEEP_TURN**2)
-            self._share = _within(self._share + learnt * self._steady, SHARE_LIMIT)
+            self.share = _within(self.share + learnt * self._steady, SHARE_LIMIT)
             self._rest = _within(self._rest + learnt * STEEP_TURN**2, SURPLUS_LIMIT)
-            self.surplus = _within(self._share * self._steady + self._rest, SURPLUS_LIMIT)
+            self.surplus = _within(self.share * self._steady + self._rest, SURPLUS_LIMIT)
         elif step != 0.0 and nose is not None:
             self.heading = nose
         self.rate = bank_rate + self.surplus
@@ -190,6 +191,11 @@ class FlightPath:
     def surplus(self) -> float:
         """See :attr:`FlightDirection.surplus`; 0 while the bank is left out."""
         return 0.0 if self.contradicted else self._direction.surplus
+
+    @property
+    def airspeed_share(self) -> float:
+        """Airspeed at which the turn fits the bank, as a share of the one that was gone by [-]."""
+        return 1.0 if self.contradicted else 1.0 / (1.0 + self._direction.share)
 
     def of(self, measurement: Measurement, airspeed: float) -> Measurement:
         """The same with climb, heading, path angle and their rates of the air velocity.

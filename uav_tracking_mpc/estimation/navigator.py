@@ -293,8 +293,8 @@ class Navigator:
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
             air = self.air
-            known = measurement, vehicle, rates, ground, air.missing, air.nose, air.stuck
-            found = self.air_estimate.update(*known)
+            told = air.missing, air.nose, air.stuck, air.by_turn
+            found = self.air_estimate.update(measurement, vehicle, rates, ground, *told)
             self.air.wind, self.air.wind_known = found.without, bool(found.known[0])
             states = self.air_estimate.health.states
             self.air.failed = states[AIRSPEED] not in (USED, SILENT)

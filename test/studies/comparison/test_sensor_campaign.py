@@ -214,6 +214,16 @@ def test_an_airspeed_that_nobody_finds_wrong_passes_no_limit(seed, airspeed, wro
     assert 14.0 <= airspeeds.min() <= airspeeds.max() <= 32.0
 
 
+def test_bank_and_turn_tell_an_airspeed_that_is_wrong_from_the_start():
+    """It reads 22 m/s at 14: wind and ground velocity alone took minutes to tell."""
+    pytest.importorskip("jsbsim")
+    settings = "uav_simulator.airspeed_bias=8.0", "mission.duration=60"
+    log = simulate(load_configuration("jsbsim_uav", settings, "crosswind"))
+    assert log.error[log.time > 15.0, 4].min() < -5.0
+    assert np.abs(log.error[log.time > 55.0, 4]).max() < 1.5
+    assert not log.sensors
+
+
 @pytest.mark.parametrize("plant", ["vehicle", pytest.param("jsbsim", marks=LONG)])
 def test_a_height_that_is_stuck_is_carried_on_by_the_velocity(plant):
     """In gusts; what the filter took for a bias of the velocity once led away by 30 m."""
