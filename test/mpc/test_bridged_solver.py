@@ -89,8 +89,8 @@ class Told:
 
     seconds = 3.21
 
-    def __init__(self, *_, **__):
-        self.answers = [False, True]
+    def __init__(self, folder, **_):
+        self.folder, self.answers = folder, [False, True]
 
     def done(self):
         answer = self.answers.pop(0)
@@ -104,6 +104,7 @@ def compiled(monkeypatch, tmp_path):
     """Makes machine code that is there when the test says so; what it has reported."""
     monkeypatch.setattr(compiled_method, "Compilation", Told)
     monkeypatch.setattr(compiled_method, "method_folder", lambda problem: tmp_path)
+    monkeypatch.setattr(compiled_method, "load", lambda folder: None)
     said = []
     return lambda: MachineCode(paper(), said.append), said
 
@@ -123,10 +124,30 @@ def test_where_it_cannot_be_compiled_ipopt_goes_on(compiled):
     code = make()
     code._compilation.answers = [CompilationError("no memory")]
     assert [code(), code()] == [False, False]
-    assert said[1:] == ["no memory; ipopt goes on solving"]
+    assert said[1:] == ["no memory; ipopt solves"]
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_where_it_cannot_be_loaded_ipopt_solves(compiled, tmp_path, monkeypatch, kept):
+    def refuse(folder):
+        raise RuntimeError("no such relocation")
+
+    make, said = compiled
+    if kept:
+        (tmp_path / machine_code.DESCRIPTION).write_text("{}")
+    monkeypatch.setattr(compiled_method, "load", refuse)
+    code = make()
+    code._compilation.answers = [True]
+    solver = BridgedSolver(paper(), code)
+    assert solver.solve(PAPER_START).converged
+    assert solver.name == "ipopt" and not solver.compiling
+    words = "the solver cannot be loaded: RuntimeError: no such relocation; ipopt solves"
+    assert said[-1] == words and len(said) == 2 - kept
 
 
 def test_what_is_kept_is_not_compiled_again(compiled, tmp_path):
     make, said = compiled
     (tmp_path / machine_code.DESCRIPTION).write_text("{}")
-    assert make()() and not said
+    code = make()
+    code._compilation.answers = [True]
+    assert code() and not said

@@ -159,15 +159,23 @@ def test_machine_code_that_others_can_write_is_not_run(kept, mode):
     assert compiled_method.method_folder(paper()).parent != kept.parent
 
 
-def test_a_slower_process_drops_its_draft(places):
-    cache, _ = places
-    cache.mkdir()
-    sources = {"__init__.py": "", "stage.py": "N = 1\n"}
-    folder = cache / "newton_test"
-    for _ in range(2):
-        compiled_method._install(folder, sources)
-    assert [path.name for path in cache.iterdir()] == ["newton_test"]
-    assert {file.name: file.read_text() for file in folder.iterdir()} == sources
+def test_what_the_power_cut_off_is_made_anew(places):
+    folder = compiled_method.method_folder(paper())
+    whole = {file.name: file.read_bytes() for file in folder.iterdir()}
+    for file in folder.iterdir():
+        file.write_bytes(b"")
+    (folder / machine_code.DESCRIPTION).write_text('{"size": 1, "obj')
+    assert not machine_code.finished(folder)
+    (folder / machine_code.DESCRIPTION).unlink()
+    assert compiled_method.method_folder(paper()) == folder
+    assert {file.name: file.read_bytes() for file in folder.iterdir()} == whole
+
+
+def test_a_file_that_cannot_be_written_leaves_no_draft(tmp_path):
+    (tmp_path / "stage.py").mkdir()
+    with pytest.raises(OSError, match="stage.py"):
+        machine_code.write(tmp_path / "stage.py", b"N = 1")
+    assert [path.name for path in tmp_path.iterdir()] == ["stage.py"]
 
 
 def test_the_name_changes_with_the_expressions_and_the_horizon_alone():
@@ -253,14 +261,14 @@ def test_processes_that_start_together_compile_once_and_the_next_one_loads(tmp_p
     processes = [start(tmp_path) for _ in range(2)]
     assert all("converged" in finish(process) for process in processes)
     (folder,) = (tmp_path / "uav_tracking_mpc").glob("newton_*")
-    assert [path.name for path in folder.glob("*.[0-9]*")] == []
+    assert {path.suffix for path in folder.iterdir() if path.is_file()} == {".py", ".json", ""}
     assert len((folder / "lock").read_text().split()) == 1  # process ids of those that compiled
-    written = (folder / "method.o").stat().st_mtime_ns
+    written = (folder / machine_code.DESCRIPTION).stat().st_mtime_ns
     later = finish(start(tmp_path))
     assert "compiling" not in later
     assert "converged" in later
     assert "False" in later
-    assert (folder / "method.o").stat().st_mtime_ns == written
+    assert (folder / machine_code.DESCRIPTION).stat().st_mtime_ns == written
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")

@@ -20,13 +20,14 @@ process: LLVM links it in a few milliseconds, where numba takes half a second.
 The cache has a folder for each problem. It holds the source files of the method and the
 ``stage.py`` generated for the problem, and, once they are compiled, the machine code. Its name is a
 digest of all that goes into the machine code: the expressions of the problem, the sources, the
-versions that compile them, the processor. So a change of any makes a new folder. It is written
-under another name and moved into place, so that processes which start together cannot read half a
-folder.
+versions that compile them, the processor. So a change of any makes a new folder. Each file is
+written in one step, and a process writes all sources before it compiles them, so that processes
+which start together cannot read half a file, and sources that were damaged do not stay.
 """
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import ctypes
 import hashlib
@@ -34,13 +35,12 @@ import json
 import logging
 import os
 import platform
-import shutil
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from importlib import metadata, resources
 from pathlib import Path
@@ -182,10 +182,9 @@ def method_folder(problem: OptimalControlProblem) -> Path:
         if _ours(place) and machine_code.finished(place / name):
             return place / name
     folder = cache_directory() / name
-    if not folder.is_dir():
-        sources = dict(_method_sources())
-        sources["stage.py"] = stage_code.stage_module(problem)
-        _install(folder, sources)
+    folder.mkdir(mode=0o700, exist_ok=True)
+    for file, text in (*_method_sources(), ("stage.py", stage_code.stage_module(problem))):
+        machine_code.write(folder / file, text.encode())
     return folder
 
 
@@ -273,20 +272,6 @@ def _digest(problem: OptimalControlProblem) -> str:
     return hashlib.sha256((text + expressions.serialize()).encode()).hexdigest()[:20]
 
 
-def _install(folder: Path, sources: dict[str, str]) -> None:
-    """Write a folder with these sources, unless another process is faster."""
-    draft = Path(tempfile.mkdtemp(prefix=f"{folder.name}.", dir=folder.parent))
-    try:
-        for file, text in sources.items():
-            (draft / file).write_text(text, encoding="utf-8")
-        draft.rename(folder)
-    except OSError:
-        if not folder.is_dir():
-            raise
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
-
-
 class CompiledMethod:
     """The method for one problem.
 
@@ -309,7 +294,7 @@ class CompiledMethod:
         self.workspace.WORKSPACE = np.dtype(fields, align=True)
         if self.workspace.WORKSPACE.itemsize != description["size"]:
             raise RuntimeError(f"{folder} was written by another version of NumPy: delete it")
-        self._function = self._linked(folder)
+        self._function = self._linked(map(base64.b64decode, description["objects"]))
 
     def entry(self) -> Callable[[int, int, float, float, int, float, float], int]:
         """``minimise`` of ``newton/minimise.py``, for one caller: each has a block of arguments."""
@@ -334,7 +319,7 @@ class CompiledMethod:
 
         return minimise
 
-    def _linked(self, folder: Path) -> Callable[[int], int]:
+    def _linked(self, objects: Iterable[bytes]) -> Callable[[int], int]:
         from llvmlite import binding
 
         binding.initialize_native_target()
@@ -343,8 +328,7 @@ class CompiledMethod:
             codemodel="jitdefault", jit=True
         )
         self._engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
-        for name in machine_code.OBJECTS:
-            content = (folder / name).read_bytes()
+        for content in objects:
             self._engine.add_object_file(binding.ObjectFileRef.from_data(content))
         self._engine.finalize_object()
         prototype = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)  # releases the GIL
@@ -386,12 +370,11 @@ class MachineCode:
     """
 
     def __init__(self, problem: OptimalControlProblem, report: Callable[[str], None]) -> None:
-        self._report = report
-        self._compilation: Compilation | None = None
-        self._failed = False
+        self._report, self._failed = report, False
         folder = method_folder(problem)
-        if not machine_code.finished(folder):
-            self._compilation = Compilation(folder, aside=True)
+        self._compilation: Compilation | None = Compilation(folder, aside=True)
+        self._made = machine_code.finished(folder)
+        if not self._made:
             report(f"{BRIDGE} solves while the solver is compiled, once; kept in {folder}")
 
     @property
@@ -400,16 +383,24 @@ class MachineCode:
         return self._compilation is not None
 
     def __call__(self) -> bool:
-        """Whether it is there; where it cannot be made, that is said once and it never will be."""
+        """Whether it is loaded; where it cannot be, that is said once and it never will be."""
         compilation = self._compilation
         if compilation is None:
             return not self._failed
         try:
             if not compilation.done():
                 return False
-            self._report(f"solver compiled in {compilation.seconds:.1f} s; it solves from now on")
+            load(compilation.folder)
+            if not self._made:
+                words = f"solver compiled in {compilation.seconds:.1f} s; it solves from now on"
+                self._report(words)
         except CompilationError as error:
-            self._failed = True
-            self._report(f"{error}; {BRIDGE} goes on solving")
+            self._fail(str(error))
+        except Exception as error:  # whatever LLVM says of what was compiled
+            self._fail(f"the solver cannot be loaded: {type(error).__name__}: {error}")
         self._compilation = None
         return not self._failed
+
+    def _fail(self, words: str) -> None:
+        self._failed = True
+        self._report(f"{words}; {BRIDGE} solves")

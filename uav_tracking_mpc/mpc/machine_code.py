@@ -17,25 +17,27 @@
 It runs as ``python -m uav_tracking_mpc.mpc.machine_code FOLDER``, because compiling takes seconds
 in which nothing else runs in a process and no signal is heard. However many processes want the same
 machine code, one makes it: each starts this one, which first waits for a lock. It ends with its
-input, which its parent holds open for as long as it lives. The description is written last and
-under its name in one step, so it marks the machine code as complete.
+input, which its parent holds open for as long as it lives. All of it is one file of JSON, written
+under its name in one step: what is cut off, as where the power failed, cannot be read, and counts
+as not made.
 """
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import importlib
 import importlib.util
 import json
 import os
 import sys
+import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-OBJECTS = ("method.o", "entry.o")
 DESCRIPTION = "method.json"
 LOCK = "lock"
 MODULES = ("stage", "workspace", "minimise")  # whose constants callers read
@@ -53,7 +55,11 @@ def finished(folder: Path) -> bool:
     Args:
         folder: With the method's sources.
     """
-    return (folder / DESCRIPTION).is_file()
+    try:
+        json.loads((folder / DESCRIPTION).read_bytes())
+    except (OSError, ValueError):
+        return False
+    return True
 
 
 def main() -> int:
@@ -78,8 +84,6 @@ def make(folder: Path) -> None:
     modules = {name: importlib.import_module(f"{PACKAGE}.{name}") for name in MODULES}
     assert package is not None
     method, name = _compiled(modules[ENTRY])
-    for file, content in zip(OBJECTS, (method, _entry(name)), strict=True):
-        _write(folder / file, content)
     workspace = modules["workspace"].WORKSPACE
     description = {
         "constants": {name: _constants(module) for name, module in modules.items()},
@@ -88,8 +92,9 @@ def make(folder: Path) -> None:
             for field in workspace.names
         ],
         "size": workspace.itemsize,
+        "objects": [base64.b64encode(content).decode() for content in (method, _entry(name))],
     }
-    _write(folder / DESCRIPTION, json.dumps(description).encode())
+    write(folder / DESCRIPTION, json.dumps(description).encode())
 
 
 def _end_with_input() -> None:
@@ -185,10 +190,22 @@ def _constants(module: ModuleType) -> dict[str, int | float]:
     return found
 
 
-def _write(path: Path, content: bytes) -> None:
-    draft = path.with_name(f"{path.name}.{os.getpid()}")
-    draft.write_bytes(content)
-    draft.replace(path)
+def write(path: Path, content: bytes) -> None:
+    """Write a file in one step, however many processes do.
+
+    Args:
+        path: Of the file.
+        content: For it.
+    """
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f"{path.name}.", delete=False) as file:
+        draft = Path(file.name)
+        try:
+            file.write(content)
+            file.close()
+            draft.replace(path)
+        except OSError:
+            draft.unlink()
+            raise
 
 
 if __name__ == "__main__":
