@@ -134,6 +134,7 @@ FIGURES = {
     "range_error": 5.0, "bearing_error": 0.1, "altitude_error": -1.0, "pitch_error": 0.0,
     "speed_error": 0.2, "target_east": 10.0, "target_north": 20.0, "target_up": 1.0,
     "target_std": 0.4, "wind_east": 3.0, "wind_north": -4.0, "wind_up": 0.0, "mode": 0.0,
+    "stamp": STATE.stamp,
 }  # fmt: skip
 
 

@@ -68,6 +68,17 @@ def test_a_flight_is_seen_as_it_is_heard():
     assert (sight.cost, sight.solve_time, sight.latency) == (7.0, 1e-3, 0.02)
 
 
+@pytest.mark.parametrize("late", [0.04, -0.04])
+def test_the_target_is_where_it_is_at_the_time_of_the_state(late):
+    """Otherwise its distance is another one than the error beside it says."""
+    sight = seen(aircraft(report(), figures=said({**FIGURES, "stamp": STATE.stamp - late})))
+    moved = np.array([1.0, -2.0, 0.0]) * late
+    np.testing.assert_allclose(sight.target.position, np.array([10.0, 20.0, 1.0]) + moved)
+    np.testing.assert_allclose(sight.wanted.centre, np.array([10.0, 20.0, 121.0]) + moved)
+    elsewhen = seen(aircraft(figures=said({**FIGURES, "stamp": STATE.stamp - 1000.0 * late})))
+    np.testing.assert_array_equal(elsewhen.target.position, [10.0, 20.0, 1.0])
+
+
 def test_of_the_plan_what_is_not_yet_flown_is_seen():
     np.testing.assert_array_equal(seen(aircraft()).plan, np.arange(6.0, 15.0).reshape(3, 3))
     placeless = Plan(49.9, np.empty((0, 3)), np.empty(0))

@@ -33,6 +33,8 @@ from uav_tracking_mpc.nodes.messages.named_figures import ERRORS, TARGET, WIND, 
 from uav_tracking_mpc.nodes.topics import COMMAND
 from uav_tracking_mpc.view.watched_flight import Sight, TargetSight
 
+CARRIED = 2.0  # s, bound: figures that are older or newer than the state are of another time
+
 
 def sight_of(
     time: float,
@@ -96,12 +98,14 @@ def heard_sight(
     measured, truth = seen
     target: TargetSight | None = None
     if all(name in figures for name in TARGET):
+        position, velocity = np.array([figures[name] for name in TARGET]), None
+        if orbit is not None:
+            velocity = orbit.velocity  # the target carries the orbit along
+            # States come more often than figures: beside a newer one it would lie behind.
+            age = state.stamp - figures["stamp"]
+            position += velocity * (age if abs(age) <= CARRIED else 0.0)
         target = TargetSight(
-            np.array([figures[name] for name in TARGET]),
-            None if orbit is None else orbit.velocity,  # the target carries the orbit along
-            figures.get("target_std", math.nan),
-            measured,
-            truth,
+            position, velocity, figures.get("target_std", math.nan), measured, truth
         )
     elif (known := truth if measured is None else measured) is not None:
         target = TargetSight(known, measured=measured, truth=truth)

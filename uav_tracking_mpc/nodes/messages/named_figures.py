@@ -26,7 +26,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit, Orbit
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.nodes.messages.conversions import set_header, set_stamp
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, set_header, set_stamp
 from uav_tracking_mpc.nodes.topics import (
     FRAMES,
     ORBIT,
@@ -156,6 +156,8 @@ def set_tracking(
 def tracking_figures(message: JointState) -> dict[str, float]:
     """The figures of a message by name, in SI units; those that are not finite are left out.
 
+    ``stamp`` is that of the message in [s].
+
     Args:
         message: As in ``uav/tracking_errors``.
 
@@ -168,7 +170,8 @@ def tracking_figures(message: JointState) -> dict[str, float]:
             f"as position, {len(message.position)}"
         )
     pairs = zip(message.name, message.position, strict=True)
-    return {name: figure for name, figure in pairs if math.isfinite(figure)}
+    figures = {name: figure for name, figure in pairs if math.isfinite(figure)}
+    return {**figures, "stamp": nanoseconds(message.header.stamp) * 1e-9}
 
 
 def told_mode(number: float) -> FallbackMode | None:
