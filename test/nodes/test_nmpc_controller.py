@@ -85,6 +85,18 @@ def test_whether_the_commands_are_flown_reaches_the_controller(nodes):
     assert told == [False, True]
 
 
+def test_without_their_sender_the_commands_count_as_flown(nodes):
+    node, told = nodes.add(NmpcController, law="l1"), []
+    node.controller.engage = told.append
+    link = nodes.peer("link")
+    publisher = link.create_publisher(ENGAGED.type, ENGAGED.name, ENGAGED.qos)
+    assert nodes.spin(publisher.get_subscription_count)
+    publisher.publish(ENGAGED.type(data=False))
+    assert nodes.spin(lambda: told == [False])
+    link.destroy_publisher(publisher)
+    assert nodes.spin(lambda: told == [False, True])
+
+
 def test_all_nodes_fly_onto_the_orbit_and_say_that_they_have_ended(nodes):
     views = (PREDICTED_PATH, MARKERS, DIAGNOSTICS, TRACKING_ERRORS, *TRACKING.values())
     heard = nodes.listen(ODOMETRY, COMMAND, TARGET, *views)

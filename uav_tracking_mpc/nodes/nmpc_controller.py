@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.timer import Timer
 
@@ -193,7 +194,8 @@ class NmpcController(ManagedNode):
         rate = None if simulated else self.parameters.control_rate
         self._commands = PacedPublisher(self, COMMAND, rate, self.report.late)
         self._orbits = publish(self, ORBIT)
-        listen(self, ENGAGED, self._on_engaged)
+        events = SubscriptionEventCallbacks(matched=self._on_engaged_senders)
+        listen(self, ENGAGED, self._on_engaged, events)
         self._consent = CommandGate(self, self._on_consent)
         callbacks = self._on_odometry, self._on_air, self._on_target, self._on_target_odometry
         for topic, callback in zip(HEARD, callbacks, strict=True):
@@ -349,7 +351,15 @@ class NmpcController(ManagedNode):
         )
 
     def _on_engaged(self, message: Any) -> None:
-        self._engaged = message.data
+        self._set_engaged(message.data)
+
+    def _on_engaged_senders(self, event: Any) -> None:
+        if event.current_count == 0:  # what an autopilot's link said is true no longer
+            self._set_engaged(True)
+
+    def _set_engaged(self, engaged: bool) -> None:
+        """Take note of whether the vehicle flies the commands."""
+        self._engaged = engaged
         if self.controller is not None:
             commanding = self.stage is Stage.ACTIVE and self._consent.engaged
             self.controller.engage(self._engaged and commanding)
