@@ -254,11 +254,6 @@ class SimulatedSteering(Steering):
         self._loop, self._clock, self._requests = loop, clock, requests
         self.rivals = Rivals(loop)
 
-    @property
-    def airy(self) -> bool:  # type: ignore[override]  # only read
-        """See :class:`Steering`."""
-        return set(AIR) <= set(self._loop.plant.changeable)
-
     def compare(self, on: bool) -> str:
         """See :meth:`Steering.compare`."""
         return self._requests.ask(lambda: self.rivals.fly(on))
@@ -271,7 +266,9 @@ class SimulatedSteering(Steering):
             SIMULATOR: loop.plant.parameters,
             TARGET: loop.target.parameters,
         }
-        return asdict(present[node])
+        values = asdict(present[node])
+        # What flies is the mission's to say.
+        return {**values, "plant": loop.plant.name} if node == SIMULATOR else values
 
     def change(self, node: str, **values: Any) -> str:
         """See :meth:`Steering.change`."""

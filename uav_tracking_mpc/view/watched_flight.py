@@ -226,13 +226,11 @@ class Steering(ABC):
             has no SIMULATOR, a tracker no TARGET; neither is steered then.
         faults: Faults that can be injected, by name, and what each does, in words.
         comparable: Whether guidance laws can be flown beside.
-        airy: Whether the simulator can change its air in flight; not every plant has any.
     """
 
     nodes: frozenset[str] = frozenset()
     faults: Mapping[str, str] = {}
     comparable: bool = False
-    airy: bool = True
 
     def compare(self, on: bool) -> str:
         """Fly the guidance laws beside, from where the aircraft is, or no longer.

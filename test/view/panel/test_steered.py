@@ -185,11 +185,15 @@ def test_a_part_is_absent_where_there_is_nobody_to_ask(part, nodes):
     assert not part.fits(flight, StandInSource(flight))
 
 
-def test_without_air_there_is_no_wind_to_steer():
+def test_without_air_there_is_no_wind_to_steer(panel, flight):
     """The plant of ``paper`` refuses every wind in flight."""
-    for name, airy in (("paper", False), ("small_uav", True)):
-        flight = SimulatedFlight(load_configuration(name), PlayClock(0.0, math.inf))
-        assert Wind.fits(flight, StandInSource(flight)) is airy
+    for name, plant in (("paper", "euler"), ("small_uav", "vehicle")):
+        simulated = SimulatedFlight(load_configuration(name), PlayClock(0.0, math.inf))
+        assert simulated.steering.parameters(SIMULATOR)["plant"] == plant
+    flight.steering.values[SIMULATOR]["plant"] = "euler"
+    airless = panel(Wind)
+    airless.until(lambda: not airless.part.folder.visible)
+    assert flight.steering.asked == []
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ import numpy as np
 from uav_tracking_mpc.settings.simulator import SimulatorParameters, TargetParameters
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.motions import TARGET_MOTION
+from uav_tracking_mpc.simulation.plants import AIR, PLANT
 from uav_tracking_mpc.view.panel._html import (
     CALM,
     badge,
@@ -98,19 +99,12 @@ class Wind(ParameterPart):
     title, node, section = "Wind", SIMULATOR, SimulatorParameters
     order = 30.0
 
-    @classmethod
-    def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
-        """Whether there is air that can be changed.
-
-        Args:
-            flight: What is steered.
-            source: Where it comes from.
-        """
-        steering = flight.steering
-        return super().fits(flight, source) and steering is not None and steering.airy
-
     def build(self, known: Mapping[str, Any]) -> None:
-        """See :meth:`ParameterPart.build`."""
+        """See :meth:`ParameterPart.build`; not every plant has air that can be changed."""
+        plant = known["plant"]
+        if plant in PLANT.own_names and not set(AIR) <= set(PLANT.find(plant).changeable):
+            self.folder.visible = False
+            return
         speed, azimuth = from_where(known["wind"])
         self._speed = self.gui.add_slider(
             "wind [m/s]",
