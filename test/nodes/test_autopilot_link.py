@@ -25,6 +25,7 @@ from filled_messages import filled_command, filled_orbit
 from node_harness import tapped
 from paced_link import LINK
 from processes import refused_start, wait_for
+from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
@@ -78,6 +79,12 @@ def flying(node, **parameters):
 @pytest.fixture
 def made(node):
     return flying(node)
+
+
+def test_an_empty_list_is_none_of_bytes(node):
+    made = node()
+    assert made.get_parameter("origin").type_ is Parameter.Type.NOT_SET
+    assert made.parameters.origin == ()
 
 
 def test_states_are_published_with_ros_stamps_as_they_come(made):

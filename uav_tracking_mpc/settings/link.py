@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from uav_tracking_mpc.parameters.specification import parameter
+from uav_tracking_mpc.parameters.specification import ParameterError, parameter
 from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 
 
@@ -71,3 +71,16 @@ class LinkParameters(FrameParameters):
     signing_key: str = parameter(
         "", "File with the 32 bytes of a key to sign messages with; empty to sign none.", fixed=True
     )
+
+    def __post_init__(self) -> None:
+        """Check that the origin is one place on earth."""
+        super().__post_init__()
+        if self.origin and not (len(self.origin) == 3 and self._on_earth(*self.origin)):
+            raise ParameterError(
+                f"parameter 'origin' is {list(self.origin)}, must be latitude within 90 deg, "
+                "longitude within 360 deg and altitude in m, or empty"
+            )
+
+    @staticmethod
+    def _on_earth(latitude: float, longitude: float, _: float) -> bool:
+        return abs(latitude) <= 90.0 and abs(longitude) <= 360.0

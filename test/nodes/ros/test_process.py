@@ -71,6 +71,8 @@ REFUSED = [  # node, arguments of ROS, what the line says
     ("autopilot_link", ["-p", "link:=balloon"], "'link' is 'balloon', must be one of"),
     ("autopilot_link", ["-p", "link:=nowhere.py:Balloon"], "there is no file"),
     ("autopilot_link", ["-p", "origin:=[1.0, 2.0]"], "'origin'"),
+    ("autopilot_link", ["-p", "origin:=[95.0, 8.5, 400.0]"], "latitude within 90 deg"),
+    ("autopilot_link", ["-p", "origin:=[1.0, 2.0, 3.0, 1.0, 2.0, 3.0]"], "latitude within 90"),
     ("target_publisher", ["-p", "rate:=.nan"], "parameter 'rate' is nan"),
     ("target_publisher", ["-p", "nonsense"], "Couldn't parse parameter override"),
     ("target_publisher", ["-p", "seed:=99999999999999999999"], "'seed'"),

@@ -72,7 +72,8 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
         specification.name: _plain(
             node.declare_parameter(
                 specification.name,
-                ros_value(specification.default),
+                # rclpy would call an empty list one of bytes.
+                None if specification.default == () else ros_value(specification.default),
                 _descriptor(specification, changeable, isinstance(node, LifecycleNode)),
             ).value
         )
