@@ -14,10 +14,13 @@
 
 """The recorder begins to listen to the state, for which simulated time waits, as the last."""
 
+import errno
+
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from filled_messages import circling, filled_odometry
 
-from uav_tracking_mpc.nodes.flight_recorder import FLYING, FlightRecorder
+from uav_tracking_mpc.nodes.flight_recorder import FLYING, FlightBag, FlightRecorder
 from uav_tracking_mpc.nodes.topics import ALL, DIAGNOSTICS, ODOMETRY
 
 pytestmark = pytest.mark.nodes
@@ -61,3 +64,26 @@ def test_it_waits_until_each_node_that_flies_knows_of_it(nodes, namespace):
 def test_with_a_real_autopilot_it_waits_for_nobody(nodes):
     recorder = nodes.join(FlightRecorder(link=True, context=nodes.context))
     assert nodes.spin(lambda: listens(recorder))
+
+
+class FullDisk(FlightBag):
+    """On a disk that is full after some messages."""
+
+    written = 0
+
+    def write(self, topic, time, message):
+        self.written += 1
+        if self.written > 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        super().write(topic, time, message)
+
+
+def test_a_full_disk_ends_the_bag_and_not_the_flight(nodes, tmp_path):
+    bag = FullDisk(tmp_path / "mission.mcap")
+    recorder = nodes.join(FlightRecorder(bag, link=True, context=nodes.context))
+    publisher = nodes.peer("sender").create_publisher(ODOMETRY.type, ODOMETRY.name, 10)
+    state = filled_odometry(1, *circling(0.0))
+    also = lambda: publisher.publish(state)  # noqa: E731
+    assert nodes.spin(lambda: recorder.heard >= 5, also=also)
+    assert bag.written == 3
+    assert str(recorder.failure) == f"[Errno 28] No space left on device: '{bag.path}'"

@@ -185,6 +185,7 @@ def launch(
         DomainValueError: The exported domain is not allowed.
         LaunchError: A node died before that, or nothing flew.
         ModuleNotFoundError: There is no rclpy.
+        OSError: The bag could not be written; it is flown to the end all the same.
     """
     console = console or Console(stderr=True)
     exported = domain is None
@@ -242,6 +243,8 @@ def _fly(
         finally:
             supervisor.end(lambda: _drain(supervisor, recorder, executor))
         if recorder.progress().time is not None:
+            if recorder.failure is not None:
+                raise recorder.failure
             if bag is not None:
                 bag.close()
             if died is not None:

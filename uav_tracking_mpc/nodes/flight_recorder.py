@@ -240,12 +240,14 @@ class FlightRecorder(Node):
 
     Attributes:
         heard: How many states and commands came.
+        failure: Why the bag could not be written on; None while it can.
     """
 
     def __init__(self, bag: FlightBag | None = None, link: bool = False, **options: Any) -> None:
         super().__init__("flight_recorder", **options)
         self._bag, self._link = bag, link
         self.heard = 0
+        self.failure: OSError | None = None
         self._latest: dict[str, bytes] = {}
         self._start: int | None = None
         # The simulator's time may wait for this node: it listens to the state, and so releases
@@ -279,8 +281,12 @@ class FlightRecorder(Node):
             self._unheard -= {status.name for status in deserialized(topic, data).status}
         if self._start is None and topic is (ENGAGED if self._link else COMMAND):
             self._begin(deserialized(topic, data), now)
-        if self._bag is not None:
-            self._bag.write(topic, now, data)
+        if self._bag is not None and self.failure is None:
+            try:
+                self._bag.write(topic, now, data)
+            except OSError as error:  # as of a disk that is full; whoever flies flies on
+                self.failure = OSError(error.errno, error.strerror, str(self._bag.path))
+                self.get_logger().error(f"the bag ends, the flight goes on: {self.failure}")
 
     def _begin(self, message: Any, now: int) -> None:
         """Count the time from this message on, if it is the one that begins the flight."""
