@@ -100,9 +100,14 @@ class Orbit:
         return math.sqrt(self.range**2 - self.altitude**2)
 
     @property
+    def sense(self) -> float:
+        """Sign sigma of the turn [-]: 1 counter-clockwise, -1 clockwise."""
+        return 1.0 if self.direction == COUNTER_CLOCKWISE else -1.0
+
+    @property
     def bearing(self) -> float:
         """Steady bearing theta_ss in [rad]: +pi/2 clockwise, -pi/2 counter-clockwise."""
-        return math.pi / 2.0 if self.direction == CLOCKWISE else -math.pi / 2.0
+        return -self.sense * math.pi / 2.0
 
     def errors_at(self, x: float, y: float, z: float) -> tuple[float, float]:
         """Errors of range and altitude at (x, y, z) from the target, all in [m]."""
@@ -249,6 +254,6 @@ def orbit_about(
     return FlownOrbit(
         centre=np.asarray(target, dtype=float) + np.array([0.0, 0.0, altitude]),
         velocity=np.array(velocity, dtype=float),
-        radius=radius if orbit.direction == COUNTER_CLOCKWISE else -radius,
+        radius=orbit.sense * radius,
         airspeed=airspeed,
     )

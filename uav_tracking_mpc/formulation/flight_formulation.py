@@ -21,7 +21,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
@@ -202,7 +202,7 @@ class FlightFormulation:
         data[:, where["drift_rate"]] = forecast.drift_rate
         data[:, where["rate_weights"]] = self._rate_weights(forecast.gust_walk)
         data[:, where["orbit"]] = orbit.range, orbit.altitude, orbit.speed
-        data[:, where["sense"]] = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
+        data[:, where["sense"]] = orbit.sense
         if self.flight.holds:
             held = self._held or (orbit.altitude, orbit.speed, orbit.altitude)
             data[:, where["held"]], data[:, where["end_height"]] = held[:2], held[2]

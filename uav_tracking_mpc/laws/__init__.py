@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.parameters.registry import ExtensionPoint
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class GuidanceLaw(ABC):
     def __init__(self, orbit: Orbit, envelope: Envelope) -> None:
         self.orbit = orbit
         self.envelope = envelope
-        self.sense = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
+        self.sense = orbit.sense
 
     @abstractmethod
     def inputs(self, situation: Situation) -> NDArray[np.float64]:

@@ -40,7 +40,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_of
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit, orbit_motion
+from uav_tracking_mpc.dynamics.orbit import Orbit, orbit_motion
 from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.navigator import LONGEST_SUBSTEP, ROUNDING
@@ -106,18 +106,18 @@ class FrozenOrbit:
             azimuth: In [rad]; that of this object by default.
         """
         phi = self.azimuth if azimuth is None else azimuth
-        sense = 1.0 if self.orbit.direction == COUNTER_CLOCKWISE else -1.0
+        orbit = self.orbit
         there = orbit_motion(
-            (ca.SX(math.cos(phi)), ca.SX(math.sin(phi))), ca.SX(sense), ca.SX(self.orbit.radius),
-            ca.SX(self.orbit.speed), ca.SX(self.drift), ca.SX.zeros(3),
+            (ca.SX(math.cos(phi)), ca.SX(math.sin(phi))), ca.SX(orbit.sense), ca.SX(orbit.radius),
+            ca.SX(orbit.speed), ca.SX(self.drift), ca.SX.zeros(3),
         )  # fmt: skip
         speed, turn_rate = float(there.relative_speed), float(there.turn_rate)
         east, north = (speed * float(part) for part in there.tangent)
         heading = math.atan2(north - self.drift[1], east - self.drift[0])
         course = math.remainder(heading - phi, 2.0 * math.pi)
-        radius, height = self.orbit.radius, self.orbit.altitude
+        radius, height = orbit.radius, orbit.altitude
         climb = float(there.path_angle)
-        return np.array([radius, height, course, climb, self.orbit.speed, turn_rate, 0.0, 0.0])
+        return np.array([radius, height, course, climb, orbit.speed, turn_rate, 0.0, 0.0])
 
     def situation(self, deviation: NDArray[np.float64]) -> Situation:
         """Situation at a deviation from the orbit; the target is at the origin of ``map``.

@@ -44,7 +44,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import (
     NU,
     NX,
@@ -134,7 +134,7 @@ def steady_intervals(model: str, orbit: Orbit) -> tuple[Interval, Interval]:
     Raises:
         ArithmeticError: The model's other rates do not vanish there: no steady state.
     """
-    bearing = HALF_TURN * (0.5 if orbit.direction == CLOCKWISE else -0.5)
+    bearing = HALF_TURN * (-0.5 * orbit.sense)
     place = vector([orbit.range, bearing, orbit.altitude, 0.0, orbit.speed])
     for name, vanishes in zip(STATE_NAMES, vanishing_rates(model), strict=True):
         if not (vanishes or name == "bearing"):

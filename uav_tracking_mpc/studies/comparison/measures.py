@@ -37,7 +37,6 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, wrap_angle
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE
 from uav_tracking_mpc.limits import TOLERANCE, Motion
 from uav_tracking_mpc.limits.turn import Bank
 from uav_tracking_mpc.report.metrics import flown_bank, settling_time
@@ -242,8 +241,7 @@ def _orbit_bank(log: FlightLog) -> NDArray[np.float64]:
     psi' = sigma s^2 / (d q), as of :func:`~uav_tracking_mpc.dynamics.orbit.orbit_motion`.
     """
     x, y = (log.vehicle[:, :2] - log.target[:, :2]).T
-    sense = 1.0 if log.orbit.direction == COUNTER_CLOCKWISE else -1.0
-    distance, airspeed = np.hypot(x, y), log.vehicle[:, 5]
+    sense, distance, airspeed = log.orbit.sense, np.hypot(x, y), log.vehicle[:, 5]
     t_x, t_y = -sense * y / distance, sense * x / distance
     c_x, c_y, _ = log.drift.T
     q = np.sqrt(np.maximum(airspeed**2 - (c_y * t_x - c_x * t_y) ** 2, 1e-3 * airspeed**2))

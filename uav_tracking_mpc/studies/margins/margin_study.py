@@ -42,7 +42,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE
 from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.margins.loop_margins import (
     CHANNELS,
@@ -111,7 +110,6 @@ def in_still_air(configuration: Configuration) -> Configuration:
         configuration: Of a flight.
     """
     orbit = configuration.controller.orbit
-    sense = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
     return replace(
         configuration,
         controller=replace(configuration.controller, direction=orbit.direction),
@@ -124,7 +122,7 @@ def in_still_air(configuration: Configuration) -> Configuration:
             attitude_noise=0.0,
             airspeed_noise=0.0,
             initial_position=(orbit.radius, 0.0, orbit.altitude),
-            initial_heading=sense * math.pi / 2.0,
+            initial_heading=orbit.sense * math.pi / 2.0,
             initial_path_angle=0.0,
             initial_speed=orbit.speed,
         ),
