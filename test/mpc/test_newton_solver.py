@@ -28,7 +28,7 @@ from solver_problems import PAPER_START, kkt_residual, paper, paper_solver, pend
 
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver, openings
-from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet
+from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem, TerminalSet
 from uav_tracking_mpc.mpc.solver import Solution, Status, solutions
 
 HARD, SOFT = None, 100.0
@@ -197,6 +197,39 @@ def test_state_outside_the_models_domain_is_a_failure_that_says_so(solver):
     assert solution.status in (Status.FAILED, Status.ITERATION_LIMIT)
     assert np.all(np.isfinite(solution.inputs))
     assert solver.solve(PAPER_START, elapsed=1.0).converged
+
+
+def test_where_no_plan_begins_none_is_returned():
+    """The dynamics overflow at once, and 0 is no input of the box."""
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    problem = OptimalControlProblem(
+        state=x, inputs=u, next_state=ca.exp(x) + u - 2.0, stage_cost=x**2 + u**2,
+        terminal_cost=x**2, horizon=5, step=1.0,
+        input_lower=np.array([1.0]), input_upper=np.array([2.0]),
+    )  # fmt: skip
+    solver = NewtonSolver(problem)
+    for _ in range(2):
+        lost = solver.solve([50.0], elapsed=1.0)
+        assert lost.status is Status.FAILED
+        assert "not finite" in lost.message
+        assert np.isnan(lost.cost)
+        assert lost.violation == np.inf
+        np.testing.assert_array_equal(lost.inputs, 1.0)
+        assert solver.solve([-1.0]).converged  # which the next answer must not repeat
+
+
+def test_a_plan_that_meets_its_constraints_is_not_called_infeasible():
+    """The penalty weights end at their limit, for the cost grows that steeply past the bound."""
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    problem = OptimalControlProblem(
+        state=x, inputs=u, next_state=x + u, stage_cost=1e10 * (x - 1.0) ** 2 + u**2,
+        terminal_cost=x**2, horizon=5, step=1.0,
+        input_lower=np.array([-1.0]), input_upper=np.array([1.0]),
+        stage_inequalities=(Inequality(x - 0.5),),
+    )  # fmt: skip
+    plan = NewtonSolver(problem).solve([0.0])
+    assert plan.violation < 1e-6
+    assert plan.status is not Status.INFEASIBLE, plan.message
 
 
 @pytest.mark.parametrize("name", ["tolerance", "iteration_limit", "time_limit"])

@@ -268,9 +268,8 @@ def openings(
     return [whole, whole[:0], *(np.tile(inputs, (stages, 1)) for inputs in held)]
 
 
-# In the order of the codes in newton/minimise.py; the last two are ways to fail and to begin.
-STATUSES = (*Status, Status.FAILED)
-CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED = range(6)
+STATUSES = tuple(Status)  # in the order of the codes in newton/minimise.py
+CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START = range(7)
 WARM = 0  # code of a start in newton/minimise.py
 
 
@@ -389,6 +388,12 @@ class NewtonSolver:
             iterations += self._cold_start.iterations
         if code == REFUSED:
             return self._refused("initial state or a parameter is not finite", begin)
+        if code == NO_START:  # what is kept is an older plan, or none
+            self._warm = False
+            reason = "the dynamics are not finite from this state under any initial guess"
+            return self._without_plan(Status.FAILED, reason, begin)
+        if code == INFEASIBLE and self._value[2] <= self.tolerance:
+            code = STALLED  # the weights are at their limit, but the plan meets the constraints
         # A plan that ran out of time obeys the dynamics and is worth going on from; any other
         # that has not converged is not.
         self._warm = code in (CONVERGED, TIME_LIMIT)
@@ -424,10 +429,11 @@ class NewtonSolver:
             return f"time limit {self.time_limit} s reached, gradient {gradient:.3g}"
         if code == INFEASIBLE:
             return f"infeasible: hard constraints violated by {violation:.3g} at the best plan"
-        if code == STALLED:
-            return f"failed: no step lowers the cost, gradient {gradient:.3g}"
-        return "failed: the dynamics are not finite from this state under any initial guess"
+        return f"failed: no step lowers the cost, gradient {gradient:.3g}"
 
     def _refused(self, reason: str, begin: float) -> Solution:
+        return self._without_plan(Status.REFUSED, reason, begin)
+
+    def _without_plan(self, status: Status, reason: str, begin: float) -> Solution:
         elapsed = time.perf_counter() - begin
-        return Solution.without_plan(self.problem, Status.REFUSED, reason, elapsed)
+        return Solution.without_plan(self.problem, status, reason, elapsed)
