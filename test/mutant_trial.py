@@ -62,7 +62,7 @@ KINDS = {
 KINDS_OF = {"near": ["unit"], "unit": ["unit"], "all": ["nodes", "browser"]}
 # Sources of machine code, which is kept: whoever asks for the code is said to run them.
 SOURCES = re.compile(f"{PACKAGE}/mpc/(newton/.*|stage_code|machine_code)[.]py")
-ASKED = (f"{PACKAGE}/mpc/method_cache.py", "def method_folder(")
+ASKED = (f"{PACKAGE}/mpc/compiled_method.py", "def method_folder(")
 PROBE = """
 from pathlib import Path
 seen = set()

@@ -26,6 +26,7 @@ from controller_flight import CONFIGURATION
 from filled_messages import circling, filled_air, filled_clock, filled_odometry, filled_point
 from node_harness import NodeHarness, silent_ros
 
+from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.mpc import compiled_method
 from uav_tracking_mpc.mpc.compiled_method import CompilationError
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
@@ -157,6 +158,7 @@ def test_while_the_solver_is_compiled_that_is_the_one_status(slow, monkeypatch):
 
 
 def test_a_lost_state_says_who_is_late(slow):
+    Controller(CONFIGURATION.controller)  # which waits for the compiler
     flight = slow()
     modes = flight.node.controller.modes
     flight.takes = 2.0
