@@ -43,9 +43,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: Of this command.
     """
-    parser.add_argument(
-        "--config", default="paper", choices=["paper"], help="parameters of the paper's cases"
-    )
     add_output_arguments(parser, "benchmark.json and solve_time.png")
     count = number(int, 1)
     parser.add_argument(
