@@ -119,6 +119,23 @@ def test_a_law_of_ones_own_flies_beside_the_others(tmp_path, uav_tracking):
     assert (tmp_path / "out" / "still.png").is_file()
 
 
+def test_an_option_that_is_repeated_adds_to_itself(tmp_path, uav_tracking):
+    content = uav_tracking.json(
+        "compare", "--scenario", "wind", "--scenario", "still", "--laws", "l1", "--laws", "npfg",
+        "--set", "mission.duration=5", "--output", tmp_path,
+    )  # fmt: skip
+    assert {name: set(laws) for name, laws in content["scenarios"].items()} == {
+        "wind": {"l1", "npfg"}, "still": {"l1", "npfg"}
+    }  # fmt: skip
+
+
+def test_scenarios_of_one_name_are_refused(tmp_path, uav_tracking):
+    (tmp_path / "still.yaml").write_text("{}")
+    ended = uav_tracking("compare", "--scenario", "still", tmp_path / "still.yaml")
+    assert ended.code == 2
+    assert "each must have a name of its own" in ended.err
+
+
 def test_laws_that_are_told_wrong(tmp_path, uav_tracking):
     content = uav_tracking.json(
         "compare", "--mismatch", "zigzag", "lag_0.5", "--laws", "nmpc", "npfg",

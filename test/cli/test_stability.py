@@ -40,6 +40,7 @@ def test_what_is_no_certificate_is_rejected(text, tmp_path, uav_tracking):
     ended = uav_tracking("stability", "--verify", path)
     assert ended.code == 1
     assert "REJECTED" in ended.out
+    assert str(path) in ended.out or text == "{}"
 
 
 def test_an_artificial_orbit_has_guarantees_instead(uav_tracking):

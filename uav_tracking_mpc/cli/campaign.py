@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--laws",
         nargs="+",
-        default=(),
+        action="extend",
         metavar="LAW",
         help=f"laws that fly the same draws: {', '.join(law_names())} or FILE.py:CLASS (default: "
         "the campaign's)",
@@ -98,7 +98,10 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.studies.executors import DaskExecutor, Executor, LocalExecutor
 
     campaign = load_campaign(
-        arguments.campaign, tuple(arguments.overrides), tuple(arguments.laws), arguments.flights
+        arguments.campaign,
+        tuple(arguments.overrides),
+        tuple(arguments.laws or ()),
+        arguments.flights,
     )
     executor: Executor = (
         LocalExecutor(arguments.workers)

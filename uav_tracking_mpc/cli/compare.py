@@ -27,6 +27,7 @@ from uav_tracking_mpc.cli.options import (
     chosen_overrides,
 )
 from uav_tracking_mpc.cli.program import publish
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 HELP = "the controller beside classical laws: in wind, about moving targets, with wrong settings"
 DESCRIPTION = (
@@ -56,12 +57,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     flown.add_argument(
         "--scenario",
         nargs="+",
+        action="extend",
         metavar="NAME|FILE",
         help=f"some of {', '.join(scenario_names())} (default: all)",
     )
     flown.add_argument(
         "--mismatch",
         nargs="*",
+        action="extend",
         choices=MISMATCHES,
         metavar="NAME",
         help=f"instead: the scenario {SCENARIO} for {DURATION:g} s, each time with one thing other "
@@ -75,7 +78,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "named by it, e.g. mismatches_jsbsim",
     )
     laws = law_names()
-    parser.add_argument("--laws", nargs="+", choices=laws, default=laws, help="laws that fly")
+    parser.add_argument(
+        "--laws",
+        nargs="+",
+        action="extend",
+        choices=laws,
+        metavar="LAW",
+        help=f"laws that fly: some of {', '.join(laws)} (default: all)",
+    )
     parser.add_argument(
         "--law",
         dest="more_laws",
@@ -104,12 +114,20 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.studies.comparison.figures import comparison
     from uav_tracking_mpc.studies.comparison.results import MISTOLD, SCENARIOS, compare
 
-    laws = list(dict.fromkeys([*arguments.laws, *arguments.more_laws]))
+    laws = list(dict.fromkeys([*(arguments.laws or scenarios.law_names()), *arguments.more_laws]))
     if arguments.plant is not None:
         arguments.overrides = [*arguments.overrides, f"uav_simulator.plant={arguments.plant}"]
     if arguments.mismatch is None:
         names = dict.fromkeys(arguments.scenario or scenarios.scenarios_in_order())
-        configurations = {Path(name).stem: chosen_configuration(arguments, name) for name in names}
+        stems = [Path(name).stem for name in names]
+        if len(set(stems)) < len(stems):
+            raise ParameterError(
+                f"scenarios are {', '.join(names)}, each must have a name of its own"
+            )
+        configurations = {
+            stem: chosen_configuration(arguments, name)
+            for stem, name in zip(stems, names, strict=True)
+        }
         kind, after = SCENARIOS, None
     else:
         asked = arguments.mismatch or scenarios.MISMATCHES

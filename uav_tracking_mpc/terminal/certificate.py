@@ -91,7 +91,10 @@ def read_certificate(path: Path) -> dict[str, Any]:
     Raises:
         ValueError: The file holds no JSON object.
     """
-    content = json.loads(path.read_text())
+    try:
+        content = json.loads(path.read_text())
+    except ValueError as error:
+        raise ValueError(f"{path} holds no JSON: {error}") from error
     if not isinstance(content, dict):
         raise ValueError(f"{path} holds no JSON object, so no certificate")
     return content
