@@ -21,6 +21,7 @@ import pytest
 
 from uav_tracking_mpc.estimation.air_data import STUCK_CLIMB, AirData
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.sensor_health import STUCK
 
 
 def measurement(**more):
@@ -45,7 +46,7 @@ def test_where_height_and_climb_are_stuck_together_the_pitch_tells(climb):
         pitch = 0.05 + climbs / 20.0 + rng.normal(0.0, 0.005)
         seen = Measurement(time, [20.0 * time, 0.0, 100.0], told, 0.0, pitch, bank=1e-3)
         air.see_state(dataclasses.replace(seen, airspeed=20.0))
-        if air.stuck[1]:
+        if air.climb_state is STUCK:
             named.append(time)
     assert bool(named) is (climb != 0.0)
     assert not named or 10.0 < named[0] < 13.0

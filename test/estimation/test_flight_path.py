@@ -26,6 +26,7 @@ from uav_tracking_mpc.dynamics.frames import (
     turn_rate_from_bank,
 )
 from uav_tracking_mpc.estimation.flight_path import (
+    CLIMB_LAG,
     QUICK_CLIMB,
     SLOW_CLIMB,
     SURPLUS_LIMIT,
@@ -176,12 +177,13 @@ def test_quick_rolls_that_the_nose_does_not_follow_contradict_nothing():
 def test_without_a_ground_velocity_pitch_and_height_tell_the_climb():
     """One of the wrong sign would have the aircraft climb when it sinks, and flown into the ground.
 
-    The angle of attack is 0.1 rad, in air that begins to rise meanwhile.
+    The angle of attack is 0.1 rad, in air that begins to rise meanwhile; the path follows the nose.
     """
     path, height, worst = FlightPath(), 0.0, 0.0
     for k in range(round(60.0 / STEP)):
         time = k * STEP
         flown = 0.15 * math.sin(0.5 * time)
+        nose = flown + 0.1 + CLIMB_LAG * 0.075 * math.cos(0.5 * time)
         climb = AIRSPEED * math.sin(flown) + (0.5 if time > 30.0 else 0.0)
         height += STEP * climb
         path.velocity_failed = time > 20.0
@@ -190,12 +192,38 @@ def test_without_a_ground_velocity_pitch_and_height_tell_the_climb():
         if math.isnan(position[2]):
             position[:] = math.nan
         velocity = np.array([AIRSPEED, 0.0, up])
-        seen = body(time, 0.0, position=position, ground_velocity=velocity, path_angle=flown + 0.1)
+        seen = body(time, 0.0, position=position, ground_velocity=velocity, path_angle=nose)
         error = AIRSPEED * path.of(seen, AIRSPEED).path_angle - climb
         if time > 1.0:
             worst = max(worst, abs(error))
     assert worst < 0.6
     assert abs(error) < 0.05
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.5])
+def test_an_aircraft_that_is_steered_by_a_climb_of_the_other_sign_is_caught(noise):
+    """Its nose is steered against the climb that is told; from 60 to 90 s its sign is wrong."""
+    path, rng, failed, climbs = FlightPath(), np.random.default_rng(2), [], []
+    nose, climb, height = 0.1, 0.0, 100.0
+    for k in range(round(150.0 / STEP)):
+        time = k * STEP
+        gust = 0.8 * math.sin(0.9 * time) + 0.5 * math.sin(0.31 * time)
+        rising = AIRSPEED * (nose - 0.1) + gust
+        climb += (1.0 - math.exp(-STEP / CLIMB_LAG)) * (rising - climb)
+        height += STEP * climb
+        up = -climb if 60.0 < time < 90.0 else climb
+        velocity = np.array([AIRSPEED, 0.0, up])
+        position = np.array([0.0, 0.0, height + noise * rng.normal()])
+        seen = body(time, 1e-3, position=position, ground_velocity=velocity, path_angle=nose)
+        nose -= STEP * 2.5 * path.of(seen, AIRSPEED).path_angle
+        failed.append(path.climb_failed)
+        climbs.append(abs(climb))
+    failed, climbs = np.reshape(failed, (15, -1)), np.reshape(climbs, (15, -1)).max(axis=1)
+    assert not failed[:6].any()
+    assert failed[7:9].all()
+    assert not failed[12:].any()
+    assert climbs[6] < 8.0
+    assert climbs[[7, 8, *range(9, 15)]].max() < 2.0
 
 
 def test_while_the_heading_is_stuck_the_bank_alone_turns_the_flight():

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
+from uav_tracking_mpc.estimation.sensor_health import OFF, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
@@ -95,6 +96,7 @@ class AirData:
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
         stuck: Whether the heading is stuck, and whether the ground velocity is.
+        climb_state: State of a vertical velocity that pitch and height replace.
         limits: Least and greatest airspeed of the aircraft in [m/s].
         impossible: Whether an airspeed is left out because it cannot fly at it.
     """
@@ -120,7 +122,7 @@ class AirData:
         self._path.reset()
         self._heading, self._velocity, self._climb, self._level = (Repetition() for _ in range(4))
         self._height = math.nan
-        self.stuck = False, False
+        self.stuck, self.climb_state = (False, False), USED
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
@@ -166,7 +168,7 @@ class AirData:
         if airspeed is not None or self._first is None:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
-        self._path.velocity_failed, self._path.heading_stuck = self.velocity_failed, self.stuck[0]
+        self._path.velocity_failed = self.velocity_failed
         if airspeed is None:
             plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:
@@ -174,6 +176,11 @@ class AirData:
         of_path = self._path.of(measurement, plausible)
         by_gyros = measurement.heading, measurement.turn_rate
         self.nose = None if of_path is measurement else by_gyros
+        climb_stuck, self.climb_state = self._path.climb_stuck, USED
+        if self.nose is not None and self._path.climb_failed:
+            self.climb_state = STUCK if climb_stuck else OFF
+        climb_stuck = climb_stuck and self.nose is None
+        self.stuck = self._heading.stuck, self._velocity.stuck or climb_stuck
         self.by_turn = math.inf if self.nose is None else plausible * self._path.airspeed_share
         if airspeed is not None:
             return of_path, of_path.state(airspeed)
@@ -204,11 +211,11 @@ class AirData:
         missed = 0.0 if math.isnan(missed) else missed
         self._climb.see(velocity[2], elapsed, missed, STUCK_CLIMB + NOISE_MULTIPLE * noise)
         # Where height and climb are stuck together, the pitch tells.
-        self._level.see(velocity[2], elapsed, elapsed * self._path.climb_missed, STUCK_CLIMB)
+        self._level.see(velocity[2], elapsed, elapsed * self._path.climb.missed, STUCK_CLIMB)
         self._height = height
         self._compare_with_course(measurement.heading, velocity[0], velocity[1], elapsed)
-        stuck = self._velocity.stuck or self._climb.stuck or self._level.stuck
-        self.stuck = self._heading.stuck, stuck
+        self._path.climb_stuck = self._climb.stuck or self._level.stuck
+        self._path.heading_stuck = self._heading.stuck
 
     def _compare_with_course(
         self, heading: float, east: float, north: float, elapsed: float

@@ -48,13 +48,17 @@ of second order, which a steady change passes without an error:
 
     \dot w = a + 2 \omega_w (w_m - w), \quad \dot a = \omega_w^2 (w_m - w)
 
-While the ground velocity is known to be wrong, the climb is that of the pitch and of a steady part
-c, which angle of attack and rising air make; the height h tells it:
+While the measured climb is known to be wrong, it is that of the pitch, which the path follows with
+a lag (in operator notation, with time constant tau), and of a part c, which angle of attack and
+rising air make; the height h tells it:
 
 .. math::
 
-    w_m = v \sin\theta + c, \quad \dot h = w_m + 2 \omega_h (h_m - h), \quad
+    w_m = \frac{v \sin\theta}{1 + \tau s} + c, \quad \dot h = w_m + 2 \omega_h (h_m - h), \quad
     \dot c = \omega_h^2 (h_m - h)
+
+This climb tells as well that the measured one is wrong, sooner than the height alone: an aircraft
+that is steered by a climb of the other sign is away in two seconds.
 """
 
 from __future__ import annotations
@@ -78,7 +82,15 @@ ROLLING = 3.0  # s, over which quick rolls, which the nose does not follow, canc
 CONTRADICTION = 0.01  # rad^2/s^2; slipping into a turn makes a quarter of it
 STEEPEST = 1.5  # rad, of a bank or a pitch, beyond which no turn is coordinated
 QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
-STEADY_CLIMB = 0.7  # rad/s, omega_h
+STEADY_CLIMB = 2.0  # rad/s, omega_h
+CLIMB_LAG = 0.3  # s, tau, with which a climb follows the nose
+# m/s, by which a climb differs from that of pitch and height that is wrong: severe gusts make 4; m,
+# by which the height then differs from where it leads; and s in which that counts
+WRONG_CLIMB, WRONG_HEIGHT, WRONG_TIME = 6.0, 1.0, 1.0
+# s, -, m^2 s: over which heights tell that it is right again, the share of it that they must show,
+# and the least sum of squares of what was climbed
+RIGHT_TIME, RIGHT_SHARE, RIGHT_SUM = 10.0, 0.7, 1.0
+CLIMB_NOISE = 2.0  # m/s, standard deviation of that climb
 SLOW_CLIMB = 0.5  # rad/s, where an autopilot holds the altitude, and the rest is turbulence
 
 
@@ -152,6 +164,70 @@ class Followed:
         self.rate = faded * (slope + frequency * error)
 
 
+class Climb:
+    """Follows the climb of one aircraft by pitch and height, and judges the measured one by that.
+
+    Attributes:
+        missed: What pitch and height tell besides the measured climb, in [m/s].
+        failed: Whether the measured climb is wrong.
+    """
+
+    def __init__(self) -> None:
+        self._besides = Followed()  # h [m] less what the pitch makes of it, and c [m/s]
+        self._nose_climb = self._by_pitch = 0.0  # m/s, v sin theta with the lag, and m
+        self._height = math.nan  # m, as it was measured before
+        # m, flown lately by height, measured climb and pitch; m^2 s, of the first two
+        self._risen = self._told = self._pitched = self._along = self._squares = 0.0
+        self.missed, self.failed = 0.0, False
+
+    def see(self, step: float, by_pitch: float, up: float, height: float, noise: float) -> float:
+        """Climb by pitch and height in [m/s].
+
+        Args:
+            step: Since the measurement before in [s].
+            by_pitch: v sin theta in [m/s].
+            up: As it is measured in [m/s].
+            height: As it is measured in [m]; no number where it is not.
+            noise: Standard deviation of the height, as far as it is known, in [m].
+        """
+        besides, moved = self._besides, min(step, LONGEST_STEP)
+        carried = besides.value + moved * besides.rate
+        self._nose_climb += (1.0 - math.exp(-moved / CLIMB_LAG)) * (by_pitch - self._nose_climb)
+        self._by_pitch += moved * self._nose_climb
+        # What repeats itself tells nothing: a height that is stuck would hold the climb at 0.
+        rise = 0.0 if math.isnan(height) else height - self._height
+        tells, begins = rise != 0.0, math.isnan(rise) or step > LONGEST_STEP
+        if begins:
+            self._nose_climb, besides.rate = by_pitch, up - by_pitch
+        if tells and not begins:
+            besides.see(moved, height - self._by_pitch, STEADY_CLIMB)
+        else:
+            besides.value = height - self._by_pitch if tells else carried
+        self._height = height if tells else self._height
+        climb = self._nose_climb + besides.rate
+        self.missed = climb - up
+        self._judge(moved, 0.0 if begins else rise, up, climb, noise)
+        return climb
+
+    def _judge(self, step: float, rise: float, up: float, climb: float, noise: float) -> None:
+        """Whether the measured climb is wrong, or right again, by where the height has gone.
+
+        A rise of 0 is that of a height that repeats itself, and tells nothing.
+        """
+        lately, kept = math.exp(-step / WRONG_TIME), math.exp(-step / RIGHT_TIME)
+        self._risen = lately * self._risen + rise
+        self._told = lately * self._told + step * up
+        self._pitched = lately * self._pitched + step * climb
+        self._along = kept * self._along + step * self._risen * self._told
+        self._squares = kept * self._squares + step * self._told**2
+        off, least = abs(self._risen - self._told), WRONG_HEIGHT + 2.0 * noise
+        by_height = rise != 0.0 and off > max(least, abs(self._risen - self._pitched))
+        if abs(self.missed) > WRONG_CLIMB and by_height and not self.failed:
+            self.failed, self._along, self._squares = True, 0.0, 0.0
+        elif self._squares > RIGHT_SUM and self._along > RIGHT_SHARE * self._squares:
+            self.failed = False
+
+
 class FlightPath:
     """Makes measurements of the body ones of the path through the air.
 
@@ -162,8 +238,9 @@ class FlightPath:
     Attributes:
         climb_frequency: Up to which changes of the climb count, in [rad/s].
         velocity_failed: Whether the ground velocity is known to be wrong, and with it the climb.
+        climb_stuck: Whether the measured climb is stuck.
         heading_stuck: Whether the heading is: the turn then goes by the bank alone.
-        climb_missed: What was climbed by pitch and steady part besides the measured climb, [m/s].
+        climb: By pitch and height, and what that says of the measured one.
     """
 
     def __init__(self) -> None:
@@ -173,14 +250,17 @@ class FlightPath:
     def reset(self) -> None:
         """Forget the aircraft."""
         self._direction = FlightDirection()
-        self._climb = Followed()  # w [m/s] and a [m/s^2]
-        self._besides = Followed()  # h [m] less what the pitch makes of it, and c [m/s]
-        self.velocity_failed = self.heading_stuck = False
-        self._contradiction = self._nose = self._by_pitch = 0.0  # rad^2/s^2, rad, m
-        self._up = self._height = math.nan  # as measured before, in [m/s] and [m]
-        self.climb_missed = 0.0
+        self._followed = Followed()  # w [m/s] and a [m/s^2]
+        self.climb = Climb()
+        self.velocity_failed = self.climb_stuck = self.heading_stuck = False
+        self._contradiction = self._nose = 0.0  # rad^2/s^2, rad
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
+
+    @property
+    def climb_failed(self) -> bool:
+        """Whether the measured climb is wrong: pitch and height then replace it."""
+        return self.climb_stuck or self.climb.failed
 
     @property
     def contradicted(self) -> bool:
@@ -211,16 +291,21 @@ class FlightPath:
             return measurement
         if max(abs(bank), abs(pitch)) > STEEPEST:
             return measurement
-        time, direction, climb = measurement.stamp, self._direction, self._climb
+        time, direction, climb = measurement.stamp, self._direction, self._followed
         step, self._time = time - self._time, time
         ground_velocity = measurement.ground_velocity.copy()
-        up = self._climbed(step, airspeed * math.sin(pitch), measurement)
+        up, height = float(ground_velocity[2]), float(measurement.position[2])
+        noise = measurement.noise
+        by_pitch = self.climb.see(step, airspeed * math.sin(pitch), up, height, noise.position[2])
+        up = by_pitch if self.velocity_failed or self.climb_failed else up
         if 0.0 < step <= LONGEST_STEP:
             climb.see(step, up, self.climb_frequency)
         elif step != 0.0:
             climb.value, climb.rate = up, 0.0
         if not self.velocity_failed:  # else it shall not agree because it was replaced
             ground_velocity[2] = climb.value
+            if self.climb_failed:
+                noise = dataclasses.replace(noise, velocity=(*noise.velocity[:2], CLIMB_NOISE))
         path_angle = math.asin(min(max(climb.value / airspeed, -1.0), 1.0))
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
@@ -245,29 +330,9 @@ class FlightPath:
             path_angle=path_angle,
             turn_rate=direction.rate,
             path_angle_rate=climb.rate / airspeed,
+            noise=noise,
             axis=Axis.AIR_VELOCITY,
         )
-
-    def _climbed(self, step: float, by_pitch: float, measurement: Measurement) -> float:
-        """Climb in [m/s]: as it is measured, or by pitch and height while that is wrong."""
-        up, height = float(measurement.ground_velocity[2]), float(measurement.position[2])
-        besides, moved = self._besides, min(step, LONGEST_STEP)
-        # What repeats itself tells nothing: a height that is stuck would hold the climb at 0.
-        again, self._up = up == self._up, up
-        height, self._height = math.nan if height == self._height else height, height
-        self._by_pitch += moved * by_pitch
-        if self.velocity_failed and step <= LONGEST_STEP and not math.isnan(height):
-            besides.see(moved, height - self._by_pitch, STEADY_CLIMB)
-        else:
-            carried = besides.value + moved * besides.rate
-            besides.value = carried if math.isnan(height) else height - self._by_pitch
-        if self.velocity_failed:
-            return by_pitch + besides.rate
-        self.climb_missed = by_pitch + besides.rate - up
-        if not again:
-            share = 1.0 - math.exp(-STEADY_CLIMB * step) if step <= LONGEST_STEP else 1.0
-            besides.rate -= share * self.climb_missed
-        return up
 
 
 def past_nose(bank: float, pitch: float, path_angle: float) -> float:

@@ -301,6 +301,8 @@ class Navigator:
             self.air.velocity_failed = states[VELOCITY] != USED
             if self.air.impossible:
                 states[AIRSPEED] = OFF
+            if states[VELOCITY] == USED:
+                states[VELOCITY] = self.air.climb_state
             self.air.estimated = float(found.vehicle[5])
             return found
         if not measurement.placed:
