@@ -419,6 +419,7 @@ def _compared(
     by_sensor, size = ca.sign(its_jump) * owned, ca.fabs(its_jump)
     by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
     by_air = (size > most) * (by_sensor < LEAST_SHARE * size)
+    by_air *= ca.fabs(before[ITS]) < size  # not some gust while a sensor is off for long
     jumped = (size > most) * (by_sensor > OWN_SHARE * size)
     # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
     # of it is not explained.
