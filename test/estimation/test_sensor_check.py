@@ -151,6 +151,22 @@ def test_a_heading_that_jumps_is_left_out(check, error):
     assert reasons[-1] == ["", "jumped"]
 
 
+@pytest.mark.parametrize("error", [-1.5, 3.0, math.pi, -math.pi])
+def test_in_gusts_a_heading_that_is_far_off_stays_left_out(error):
+    """One of half a turn is off to the left and to the right in turn."""
+    check, rng = AirCheck(), np.random.default_rng(5)
+    phases = rng.uniform(0.0, 2.0 * math.pi, (2, 6))
+    pace = np.array([0.2, 0.33, 0.51, 0.8, 1.3, 2.1])
+
+    def blowing(time):
+        return 0.7 * np.sin(pace * time + phases).sum(axis=1)
+
+    assert circled(check, right, gust=blowing)[2] == [["", ""]]
+    reasons = circled(check, right, 100.0, 400.0, heading_error=error, gust=blowing)[2]
+    assert reasons in ([["", ""], ["", "jumped"]], [["", "jumped"]])
+    assert circled(check, right, 400.0, 430.0, gust=blowing)[2][-1] == ["", ""]
+
+
 def test_an_airspeed_that_rises_fast_and_misleads_its_wind_is_no_heading(check):
     """A blocked pitot in a climb: the wind that knows the airspeed takes its error, and turns."""
 

@@ -98,6 +98,8 @@ PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that 
 OWN_SHARE, LEAST_SHARE = 0.5, 0.25
 DOUBT = 1.5  # m/s, by which a sound airspeed may read otherwise than the wind explains
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
+# m/s, rad: least speed through the air that tells a heading; the greatest difference of headings
+FLYING, HALF_TURN = 1.0, math.pi + 0.5
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
 ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the other one by that wind
@@ -283,7 +285,6 @@ def air_checked(
     """
     known = SimpleNamespace(**vars(known))
     gained = level * (reading - known.reading - elapsed * acceleration)
-    own = ca.vertcat(gained, -ca.norm_2(air[1]) * strayed)  # as residuals change with them
     along = air[0][0] * ca.cos(heading) + air[0][1] * ca.sin(heading)
     reason, is_heading = ca.vertsplit(known.reasons)
     was_silent = reason == CODE[SILENT]
@@ -293,9 +294,16 @@ def air_checked(
     reasons = ca.vertcat(ca.if_else(present, reason, CODE[SILENT]), is_heading)
 
     residuals = []
-    for each in air:
+    for each, before in zip(air, (known.now[1], known.now[3]), strict=True):
         speed = ca.norm_2(each)
         off = ca.remainder(ca.atan2(each[1], each[0]) - heading, math.tau)
+        # A residual of half a turn must not cancel itself by its sign.
+        before = before / ca.fmax(speed, FLYING)
+        same = off + math.tau * _turns(before - off)
+        off = ca.if_else(ca.fabs(same) < HALF_TURN, same, off)
+        # As residuals change with the sensors, where a compass has turned about as well.
+        turned = math.tau * _turns(before - same - strayed) + strayed
+        own = ca.vertcat(gained, -speed * turned)
         residuals += [ca.if_else(present, level * reading - speed, 0.0), speed * off]
     enough = ca.if_else(settled, WIND_IN_GUSTS, WIND_KNOWN)
     known_winds = ca.logic_and(elapsed > 0.0, wind_deviations <= enough)
@@ -457,6 +465,11 @@ def _compared(
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )
     return reasons, after
+
+
+def _turns(angle: ca.SX) -> ca.SX:
+    """Whole turns that are nearest to an angle in [rad]."""
+    return ca.floor(angle / math.tau + 0.5)
 
 
 def _of_residuals(winds: ca.SX) -> ca.SX:
