@@ -24,6 +24,7 @@ import pytest
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.sensor_check import WIND_KNOWN
+from uav_tracking_mpc.estimation.sensor_health import POSITION, USED
 from uav_tracking_mpc.estimation.wind_filter import DIAGONAL, QUICK, SIZE, G, P, W, lasting_gust
 
 SIZES = {"elapsed": 1, "gust": 3, "air": 3, "steady": 3}
@@ -176,7 +177,31 @@ def test_noise_of_the_position_does_not_become_wind():
         return np.linalg.norm(found.state.wind + found.state.gust - [3.0, -5.0, 0.2])
 
     assert error(True) < 1.5
-    assert error(False) < 1.5  # positions that scatter wide are left out until it is measured
+    assert error(False) < 1.5
+
+
+@pytest.mark.parametrize("deviation", [0.5, 2.0, 5.0])
+def test_noise_of_the_position_that_nobody_tells_is_found_at_once(deviation):
+    """Positions that scatter are no jumps, and lead to no bias of the ground velocity."""
+    for duration in (3, 10, 30):
+        found, position = flown(duration, position_noise=(deviation,) * 3, told=False)
+        assert np.linalg.norm(found.found.vehicle[:3] - position) < 1.2 + 2.0 * deviation
+        assert np.abs(found.state.bias).max() < 0.5 + 0.4 * deviation
+        assert found.health.states[POSITION] == USED
+
+
+@pytest.mark.parametrize("every", [5, 20])
+def test_a_position_that_is_seldom_measured_is_no_fault(every):
+    """States come 20 times a second, with the newest position of a receiver that has 4 or 1."""
+    found, random, read = AirFilter(), np.random.default_rng(4), np.zeros(3)
+    for tick in range(1200):
+        psi = TURN * tick * STEP
+        air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
+        if tick % every == 0:
+            place = SPEED / TURN * np.array([np.sin(psi), -np.cos(psi), 0.0])
+            read = place + 0.5 * random.standard_normal(3)
+        found.see(tick * STEP, read, air, air)
+        assert found.health.states[POSITION] == USED
 
 
 def test_each_axis_is_smoothed_by_its_own_noise():
@@ -189,7 +214,8 @@ def test_each_axis_is_smoothed_by_its_own_noise():
         return np.sqrt(np.mean(np.square(errors), axis=0))
 
     (east, north, up), (_, _, up_untold) = spread(True), spread(False)
-    assert up < 0.7 * up_untold
+    assert up < 0.95 * up_untold
+    assert up_untold < 1.5  # soon found from the scatter
     assert max(east, north) < 1.3  # of which 1.1 m are the step that the truth is ahead
 
 

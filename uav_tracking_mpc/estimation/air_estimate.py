@@ -322,10 +322,21 @@ def _step() -> ca.Function:
 
     # Position
     carried = state[P] + dt * (0.5 * (known.ground + used_ground) - state[B])
+    scatter = wind_filter.METERS.scatter(meters, wind_filter.POSITION, seen.position - carried)
+    scatter *= fresh * (ca.mmax(seen.position_noise) == 0.0)
+    deviation = ca.sqrt(ca.fmax(position_noise**2, scatter))
     placed, code, position, moved = sensor_check.position_checked(
-        place, dt, seen.position, seen.placed, carried, used_ground[2], position_noise
+        place, dt, seen.position, seen.placed, carried, used_ground[2], deviation
     )
     placed.faded += ca.if_else(moved, state[P] - position, 0.0)
+    # The first positions have been believed too much where they turn out to be noisy; and noise is
+    # metered of those that wait, too, or it would never be found.
+    believed = ca.fmax(meters.held[wind_filter.POSITION], wind_filter.POSITION_NOISE**2)
+    for lane in lanes:
+        for axis in DIAGONAL[P].tolist():
+            uncertain = ca.fmax(lane.triangle[axis], scatter)
+            lane.triangle[axis] = ca.if_else(scatter > believed, uncertain, lane.triangle[axis])
+    read = ca.if_else(code == CODE[JUMPED], seen.position, position)
 
     # A turn that is quicker than its bank: the airspeed reads too much, or the aircraft slips. That
     # is known before the wind is, which then tells which of them, so alpha becomes uncertain.
@@ -357,7 +368,7 @@ def _step() -> ca.Function:
         )
     expected = wind_filter.expected_velocity(ahead[MAIN])
     ground = ca.if_else(odd, ca.if_else(no_airspeed_used, by_positions, expected), seen.ground)
-    sample = wind_filter.sampled(ahead[MAIN], position, ground)
+    sample = wind_filter.sampled(ahead[MAIN], read, ground)
     told, told_velocity = seen.position_noise**2, seen.velocity_noise**2
     told_mean = ca.sum1(told) / 3.0
     by_source = ca.vertcat(0.5 * ca.sum1(told_velocity[:2]), told_velocity[2], told_mean)
@@ -365,7 +376,9 @@ def _step() -> ca.Function:
     variances = metered.held
     share = ca.if_else(told_mean > 0.0, told / told_mean, 1.0)
     noise = ca.vertcat(
-        ca.fmax(variances[wind_filter.POSITION] * share, wind_filter.POSITION_NOISE**2),
+        ca.fmax(
+            variances[wind_filter.POSITION] * share, ca.fmax(scatter, wind_filter.POSITION_NOISE**2)
+        ),
         *[ca.fmax(variances[k], wind_filter.VELOCITY_NOISE**2) for k in (0, 0, 1)],
     )
     noise[3:] += odd * ca.if_else(no_airspeed_used, wind_filter.FOLLOWED_DEVIATION, BLIND) ** 2

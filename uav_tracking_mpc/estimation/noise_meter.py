@@ -40,6 +40,7 @@ SAMPLES = 16  # -, of the longer difference
 MEMORY = 40.0  # s, of the noise of an aircraft's sensors and of gusts
 PRIOR_TIME = 1.0  # s of samples that what is taken at first counts for
 MEASURED_TIME = 2.0  # s of samples after which the noise that is measured counts, not that told
+CLIPPED = 25.0  # -, mean squares that the square of a difference counts at most
 LONGEST_GAP = 1.0  # s between samples beyond which a signal begins anew
 
 
@@ -57,6 +58,8 @@ class NoiseMeters:
             the signals' units [SI].
         walks: q likewise, in the square of the unit [SI] per s.
         memory: Time constant of the averages in [s].
+        jumping: Signals that may jump: a difference far beyond the usual ones, and beyond the noise
+            that is taken at first, counts for little, so that jumps are no noise.
 
     Attributes:
         layout: Names of what is known.
@@ -68,9 +71,11 @@ class NoiseMeters:
         deviations: Sequence[float],
         walks: Sequence[float],
         memory: float = MEMORY,
+        jumping: Sequence[int] = (),
     ) -> None:
         self._sizes, self._prior, self._memory = sizes, (deviations, walks), memory
         self._width, count = sum(sizes), len(sizes)
+        self._jumping = jumping
         times = dict.fromkeys(("count", "weight", "short_time", "long_time"), 1)
         values = dict.fromkeys(("short", "long", "average", "before", "held"), count)
         samples = {"ages": SAMPLES, "samples": SAMPLES * self._width}
@@ -113,8 +118,10 @@ class NoiseMeters:
         share = counted * short_step / weight
         short_time = known.short_time + share * (short_step - known.short_time)
         long_time = known.long_time + share * (long_step - known.long_time)
-        short = known.short + share * (self._mean_squares(sample - latest) - known.short)
-        long = known.long + share * (self._mean_squares(sample - oldest) - known.long)
+        short = known.short + share * (
+            self._mean_squares(sample - latest, known.short) - known.short
+        )
+        long = known.long + share * (self._mean_squares(sample - oldest, known.long) - known.long)
         average += share * (told - average)
         walk = _walks(short, long, long_time - short_time)
         measured = 0.5 * ca.fmax(short - walk * short_time, 0.0)
@@ -134,6 +141,19 @@ class NoiseMeters:
             samples=ca.vertcat(sample, known.samples[: -self._width]),
         )
 
+    def scatter(self, known: SimpleNamespace, which: int, sample: ca.SX) -> ca.SX:
+        """Variance that a signal shows before it has been metered for long; else 0.
+
+        Args:
+            known: By :attr:`layout`.
+            which: The signal.
+            sample: Its components.
+        """
+        early = (known.count > 0.0) * (known.weight < PRIOR_TIME + MEASURED_TIME)
+        first = sum(self._sizes[:which])
+        latest = known.samples[first : first + self._sizes[which]]
+        return early * ca.sumsqr(sample - latest) / (2.0 * self._sizes[which])
+
     def walks(self, known: SimpleNamespace) -> ca.SX:
         """Intensities q of the random walks, as an expression.
 
@@ -142,10 +162,14 @@ class NoiseMeters:
         """
         return _walks(known.short, known.long, known.long_time - known.short_time)
 
-    def _mean_squares(self, difference: ca.SX) -> ca.SX:
-        """Of the components of each signal."""
+    def _mean_squares(self, difference: ca.SX, usual: ca.SX) -> ca.SX:
+        """Of the components of each signal, clipped where it may jump."""
         pieces = ca.vertsplit(difference, np.cumsum([0, *self._sizes]).tolist())
-        return ca.vertcat(*[ca.sumsqr(piece) / piece.numel() for piece in pieces])
+        squares = [ca.sumsqr(piece) / piece.numel() for piece in pieces]
+        for which in self._jumping:
+            least = 2.0 * self._prior[0][which] ** 2
+            squares[which] = ca.fmin(squares[which], CLIPPED * ca.fmax(usual[which], least))
+        return ca.vertcat(*squares)
 
 
 def _walks(short: ca.SX, long: ca.SX, apart: ca.SX) -> ca.SX:

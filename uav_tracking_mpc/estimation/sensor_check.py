@@ -72,6 +72,7 @@ VELOCITY_CHECK = Layout(
 # they stay there, what is told of the aircraft's place goes there gently. A height that stays the
 # same while the ground velocity climbs as far is stuck.
 JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0  # m, s, s
+STALE = 1.5  # s, for which one that repeats itself is no more than one that is seldom measured
 STANDING = 0.25  # -, of that climb, from which on a height that stays is not used
 POSITION_CHECK = Layout(jumped=1, faded=3, last=3, climbed=1)
 
@@ -234,7 +235,7 @@ def position_checked(
     elsewhere = ca.logic_and(far, ca.logic_not(repeated))
     moved = ca.logic_and(elsewhere, jumped >= JUMP_TIME)
     waits = ca.logic_and(elsewhere, ca.logic_not(moved))
-    stuck = ca.logic_and(ca.logic_not(waits), ca.logic_or(far * repeated, level))
+    stuck = ca.logic_and(ca.logic_not(waits), ca.logic_or(far * repeated * (jumped > STALE), level))
     code = CODE[JUMPED] * waits + CODE[STUCK] * stuck + CODE[SILENT] * ca.logic_not(present)
     used = present * ca.logic_not(repeated) * ca.logic_not(waits)
     after = SimpleNamespace(

@@ -79,7 +79,10 @@ DIAGONAL = np.flatnonzero(_ROWS == _COLUMNS)
 _OF_POSITION = np.flatnonzero(P.stop > _ROWS)
 # Of the level wind triangle, the vertical one, and the position.
 METERS = NoiseMeters(
-    (2, 1, 3), (VELOCITY_NOISE, VELOCITY_NOISE, POSITION_NOISE), (GUST_WALK, GUST_WALK, 0.0)
+    (2, 1, 3),
+    (VELOCITY_NOISE, VELOCITY_NOISE, POSITION_NOISE),
+    (GUST_WALK, GUST_WALK, 0.0),
+    jumping=[2],
 )
 POSITION = 2  # of these signals
 
