@@ -59,3 +59,8 @@ def test_what_is_no_measurement_is_refused(values, words):
 def test_what_is_no_noise_is_refused(values, words):
     with pytest.raises(ValueError, match=words):
         SensorNoise(**values)
+
+
+def test_an_airspeed_or_a_bank_that_is_no_number_is_not_measured():
+    measured = Measurement(0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, airspeed=np.nan, bank=np.nan)
+    assert (measured.airspeed, measured.bank) == (None, None)

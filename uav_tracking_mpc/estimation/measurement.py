@@ -34,6 +34,7 @@ NOISE_LIMITS = {
 
 
 NUMBERS = ("stamp", "heading", "path_angle", "turn_rate", "path_angle_rate", "airspeed", "bank")
+MISSING = ("airspeed", "bank")  # of these, what a source need not measure
 
 
 class MeasurementError(ValueError):
@@ -96,9 +97,9 @@ class Measurement:
         path_angle: chi, the elevation of the axis, in [rad].
         turn_rate: psi' in [rad/s]; 0 where it is not known: it is then found from the heading.
         path_angle_rate: chi' in [rad/s]; 0 likewise.
-        airspeed: v in [m/s]; None where the source has no air data.
+        airspeed: v in [m/s]; None where the source has no air data, and no number (NaN) likewise.
         noise: What is known of the sensors' noise.
-        bank: Of the body, right wing down, in [rad]; None where the source tells none.
+        bank: Of the body, right wing down, in [rad]; None or NaN where the source tells none.
         axis: Which axis is measured. The controller flies the air velocity: that of a body whose
             bank is told is found from bank and climb, and a body without one is taken to point
             along it (:mod:`~uav_tracking_mpc.estimation.flight_path`).
@@ -131,7 +132,10 @@ class Measurement:
             object.__setattr__(self, name, vector)
         for name in NUMBERS:
             value = getattr(self, name)
-            if not (value is None and name in ("airspeed", "bank")) and not math.isfinite(value):
+            if name in MISSING and value is not None and math.isnan(value):
+                object.__setattr__(self, name, None)
+                continue
+            if not (value is None and name in MISSING) and not math.isfinite(value):
                 raise MeasurementError(f"{name} is {value!r}, must be a finite number")
 
     @property
