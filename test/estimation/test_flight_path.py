@@ -202,7 +202,10 @@ def test_without_a_ground_velocity_pitch_and_height_tell_the_climb():
 
 @pytest.mark.parametrize("noise", [0.0, 0.5])
 def test_an_aircraft_that_is_steered_by_a_climb_of_the_other_sign_is_caught(noise):
-    """Its nose is steered against the climb that is told; from 60 to 90 s its sign is wrong."""
+    """Its nose is steered against the climb that is told; from 60 to 90 s its sign is wrong.
+
+    Before that the height is for some time measured 20 m too high, which is none of the climb's.
+    """
     path, rng, failed, climbs = FlightPath(), np.random.default_rng(2), [], []
     nose, climb, height = 0.1, 0.0, 100.0
     for k in range(round(150.0 / STEP)):
@@ -213,7 +216,8 @@ def test_an_aircraft_that_is_steered_by_a_climb_of_the_other_sign_is_caught(nois
         height += STEP * climb
         up = -climb if 60.0 < time < 90.0 else climb
         velocity = np.array([AIRSPEED, 0.0, up])
-        position = np.array([0.0, 0.0, height + noise * rng.normal()])
+        told = height + noise * rng.normal() + (20.0 if 30.0 < time < 40.0 else 0.0)
+        position = np.array([0.0, 0.0, told])
         seen = body(time, 1e-3, position=position, ground_velocity=velocity, path_angle=nose)
         nose -= STEP * 2.5 * path.of(seen, AIRSPEED).path_angle
         failed.append(path.climb_failed)

@@ -68,6 +68,7 @@ import math
 
 from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 FREQUENCY = 0.3  # rad/s, omega: well below the swing's, which is some rad/s
 LONGEST_STEP = 0.5  # s between attitudes, after which the filter begins anew
@@ -83,6 +84,7 @@ CONTRADICTION = 0.01  # rad^2/s^2; slipping into a turn makes a quarter of it
 STEEPEST = 1.5  # rad, of a bank or a pitch, beyond which no turn is coordinated
 QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
 STEADY_CLIMB = 2.0  # rad/s, omega_h
+HEIGHT_JUMP = 4.0  # m between two heights, besides noise and climb: no aircraft moves so
 CLIMB_LAG = 0.3  # s, tau, with which a climb follows the nose
 # m/s, by which a climb differs from that of pitch and height that is wrong: severe gusts make 4; m,
 # by which the height then differs from where it leads; and s in which that counts
@@ -175,7 +177,8 @@ class Climb:
     def __init__(self) -> None:
         self._besides = Followed()  # h [m] less what the pitch makes of it, and c [m/s]
         self._nose_climb = self._by_pitch = 0.0  # m/s, v sin theta with the lag, and m
-        self._height = math.nan  # m, as it was measured before
+        # m, height before, by how much it was above the expected one, and one that jumped likewise
+        self._height, self._apart, self._odd = math.nan, 0.0, math.nan
         # m, flown lately by height, measured climb and pitch; m^2 s, of the first two
         self._risen = self._told = self._pitched = self._along = self._squares = 0.0
         self.missed, self.failed = 0.0, False
@@ -199,10 +202,22 @@ class Climb:
         tells, begins = rise != 0.0, math.isnan(rise) or step > LONGEST_STEP
         if begins:
             self._nose_climb, besides.rate = by_pitch, up - by_pitch
-        if tells and not begins:
-            besides.see(moved, height - self._by_pitch, STEADY_CLIMB)
-        else:
+            self._apart, self._odd = 0.0, math.nan
             besides.value = height - self._by_pitch if tells else carried
+        elif tells:
+            # One that jumps, and the next one with it, is elsewhere and has not climbed.
+            apart, limit = height - self._by_pitch - carried, HEIGHT_JUMP + NOISE_MULTIPLE * noise
+            usual, again = abs(apart - self._apart) <= limit, abs(apart - self._odd) <= limit
+            tells = usual or again
+            if usual:
+                self._apart = apart
+                besides.see(moved, height - self._by_pitch, STEADY_CLIMB)
+            else:
+                besides.value = carried + again * (apart - self._apart)
+            self._odd = math.nan if tells else apart
+            rise *= usual
+        else:
+            besides.value = carried
         self._height = height if tells else self._height
         climb = self._nose_climb + besides.rate
         self.missed = climb - up
