@@ -289,7 +289,12 @@ def judged(check, flown, measured, duration, deviation=0.0):
 def test_a_velocity_that_is_near_is_used_and_one_that_is_uncertain_may_be_farther(velocities):
     near = np.add(EXPECTED, (0.9 * ODD, 0.0, 0.0))
     assert set(judged(velocities, near, near, 3.0)) == {USED}
-    assert set(judged(velocities, EXPECTED, ODD_ONE, 3.0, deviation=ODD)) == {USED}
+    drifted = velocity_check(np.zeros(3), ODD_ONE)
+    assert set(judged(drifted, EXPECTED, ODD_ONE, 3.0, deviation=ODD)) == {USED}
+
+
+def test_a_velocity_that_is_suddenly_far_is_left_out_however_uncertain_the_air_is(velocities):
+    assert set(judged(velocities, EXPECTED, ODD_ONE, 3.0, deviation=ODD)) == {LEFT_OUT}
 
 
 def test_a_velocity_that_is_not_flown_stays_odd(velocities):

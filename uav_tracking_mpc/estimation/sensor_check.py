@@ -54,6 +54,7 @@ CODE = {state: float(number) for number, state in enumerate(STATES)}
 
 # Ground velocity
 ODD = 10.0  # m/s that it may be apart from what is expected, besides its deviations
+SUDDEN, STEEPEST = 5.0, 30.0  # m/s, m/s^2: of changes that gusts and turns do not make
 WINDOW = 1.0  # s after which positions tell which of the two velocities was flown
 # m/s by which the way flown may differ from that velocity in each window, besides the noise of
 # positions; and s for which it then does: a position that jumps, and back, takes two windows
@@ -158,7 +159,10 @@ def velocity_checked(
         deviation: Standard deviation of the difference of both velocities in [m/s].
         noise: Standard deviation of the noise of positions on the worst axis in [m].
     """
-    far = ca.norm_2(measured - expected) > ODD + DEVIATIONS * deviation
+    # Gusts explain what comes by and by, not what comes between two measurements.
+    sudden = ca.norm_2(measured - known.before) > SUDDEN + STEEPEST * elapsed
+    explained = ca.if_else(ca.logic_or(sudden, known.odd), 0.0, DEVIATIONS * deviation)
+    far = ca.norm_2(measured - expected) > ODD + explained
     time, way = known.time + elapsed, known.way + 0.5 * elapsed * (known.before + measured)
     by_expected = known.by_expected + elapsed * expected
     full = fresh * (time >= WINDOW)
