@@ -95,6 +95,7 @@ class AirData:
         by_turn: Airspeed that bank and turn tell in [m/s]; inf where they tell none.
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
+        position_noise: Standard deviation of positions that was found in [m].
         stuck: Whether the heading is stuck, and whether the ground velocity is.
         climb_state: State of a vertical velocity that pitch and height replace.
         limits: Least and greatest airspeed of the aircraft in [m/s].
@@ -127,7 +128,7 @@ class AirData:
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose: tuple[float, float] | None = None
-        self.estimated, self.by_turn = 0.0, math.inf
+        self.estimated, self.by_turn, self.position_noise = 0.0, math.inf, 0.0
         self.impossible = False
         self._mirrored = 0.0
 
@@ -169,6 +170,7 @@ class AirData:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         self._path.velocity_failed = self.velocity_failed
+        self._path.height_noise = max(measurement.noise.position[2], self.position_noise)
         if airspeed is None:
             plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:
@@ -207,7 +209,8 @@ class AirData:
         turned = elapsed * measurement.turn_rate
         self._heading.see(measurement.heading, elapsed, turned, STUCK_TURN)
         self._velocity.see(velocity, elapsed, turned, STUCK_TURN)
-        missed, noise = height - self._height - elapsed * velocity[2], measurement.noise.position[2]
+        noise = max(measurement.noise.position[2], self.position_noise)
+        missed = height - self._height - elapsed * velocity[2]
         missed = 0.0 if math.isnan(missed) else missed
         self._climb.see(velocity[2], elapsed, missed, STUCK_CLIMB + NOISE_MULTIPLE * noise)
         # Where height and climb are stuck together, the pitch tells.

@@ -150,6 +150,11 @@ class AirEstimate:
         """State of the filter that is flown by, by :data:`STATE`."""
         return STATE.parts(self._known.main.state)
 
+    @property
+    def position_noise(self) -> float:
+        """Standard deviation of positions that was found in [m]."""
+        return math.sqrt(max(float(self._known.meters.held[wind_filter.POSITION]), 0.0))
+
     def update(
         self,
         measurement: Measurement,

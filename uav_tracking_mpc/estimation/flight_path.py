@@ -254,6 +254,7 @@ class FlightPath:
         climb_frequency: Up to which changes of the climb count, in [rad/s].
         velocity_failed: Whether the ground velocity is known to be wrong, and with it the climb.
         climb_stuck: Whether the measured climb is stuck.
+        height_noise: Standard deviation of the height in [m].
         heading_stuck: Whether the heading is: the turn then goes by the bank alone.
         climb: By pitch and height, and what that says of the measured one.
     """
@@ -268,7 +269,7 @@ class FlightPath:
         self._followed = Followed()  # w [m/s] and a [m/s^2]
         self.climb = Climb()
         self.velocity_failed = self.climb_stuck = self.heading_stuck = False
-        self._contradiction = self._nose = 0.0  # rad^2/s^2, rad
+        self._contradiction = self._nose = self.height_noise = 0.0  # rad^2/s^2, rad, m
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
 
@@ -311,7 +312,7 @@ class FlightPath:
         ground_velocity = measurement.ground_velocity.copy()
         up, height = float(ground_velocity[2]), float(measurement.position[2])
         noise = measurement.noise
-        by_pitch = self.climb.see(step, airspeed * math.sin(pitch), up, height, noise.position[2])
+        by_pitch = self.climb.see(step, airspeed * math.sin(pitch), up, height, self.height_noise)
         up = by_pitch if self.velocity_failed or self.climb_failed else up
         if 0.0 < step <= LONGEST_STEP:
             climb.see(step, up, self.climb_frequency)

@@ -304,6 +304,7 @@ class Navigator:
             if states[VELOCITY] == USED:
                 states[VELOCITY] = self.air.climb_state
             self.air.estimated = float(found.vehicle[5])
+            self.air.position_noise = self.air_estimate.position_noise
             return found
         if not measurement.placed:
             raise ValueError("no position is measured")

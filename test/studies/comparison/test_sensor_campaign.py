@@ -27,6 +27,7 @@ from uav_tracking_mpc import load_configuration, simulate
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.navigator import Navigator
+from uav_tracking_mpc.estimation.sensor_health import USED
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
 from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
 
@@ -277,6 +278,37 @@ def test_mistakes_in_what_a_source_tells_are_found_from_the_start(told, sensor, 
     assert np.abs(log.error[log.time > 60.0, 0]).max() < 1.0
     assert log.vehicle[:, 5].min() > 16.0
     assert log.vehicle[:, 5].max() < 32.0
+
+
+def turned(angle):
+    return lambda seen: {"heading": seen.heading + angle}
+
+
+@pytest.mark.parametrize(
+    ("told", "sensor"),
+    [
+        (climbing(-1.0), "ground velocity"),
+        (turned(math.pi), "heading"),
+        pytest.param(turned(1.5), "heading", marks=LONG),
+        pytest.param(lambda _: {"ground_velocity": [0.0] * 3}, "ground velocity", marks=LONG),
+    ],
+)
+def test_in_gusts_and_with_noisy_positions_a_rigid_aircraft_survives(told, sensor, monkeypatch):
+    """Nobody tells the noise of the positions, and at 60 s a sensor fails as badly as it can."""
+    step, rng = Controller.step, np.random.default_rng(6)
+
+    def mistaken(self, seen, *rest):
+        wrong = told(seen) if seen.stamp > 60.0 else {}
+        noisy = seen.position + rng.normal(0.0, 1.5, 3)
+        return step(self, dataclasses.replace(seen, position=noisy, **wrong), *rest)
+
+    monkeypatch.setattr(Controller, "step", mistaken)
+    log = flown_two_minutes("jsbsim", "velocity_gain=1.0", "uav_simulator.gust_intensity=15.4")
+    assert {each.sensor for each in log.sensors if each.state != USED} == {sensor}
+    assert all(each.time > 60.0 for each in log.sensors)
+    assert np.abs(log.error[log.time > 80.0, 0]).max() < 5.0
+    assert np.abs(log.vehicle[log.time > 50.0, 2] - 120.0).max() < 20.0
+    assert log.vehicle[:, 5].min() > 14.0
 
 
 @pytest.mark.parametrize(
