@@ -315,6 +315,25 @@ def test_noise_that_grows_in_flight_is_found():
     assert np.linalg.norm(target.predict(120.0).position - straight(120.0)) < 4.0
 
 
+@pytest.mark.parametrize("level", [0.0, 0.5])
+def test_heights_that_scatter_much_more_than_places_spoil_neither(level):
+    """Of a target that drives uphill; noise of 5 m of its height alone."""
+    random, target = np.random.default_rng(8), TargetFilter(0.1, 0.5)
+    worst_place = worst_height = worst_climb = 0.0
+    for time in np.arange(0.0, 120.0, 0.1):
+        true = np.add(straight(time), [0.0, 0.0, 0.3 * time])
+        target.update(time, true + random.standard_normal(3) * [level, level, 5.0])
+        if time > 30.0:
+            estimate = target.predict(time)
+            error = estimate.position - true
+            worst_place = max(worst_place, np.abs(error[:2]).max())
+            worst_height = max(worst_height, abs(error[2]))
+            worst_climb = max(worst_climb, abs(estimate.velocity[2] - 0.3))
+    assert worst_place < 0.01 + 2.0 * level
+    assert worst_height < 3.0
+    assert worst_climb < 0.5
+
+
 def test_heavy_tails_are_no_turns():
     """Student's t of 2 degrees of freedom, whose variance is infinite."""
     target, random, errors = TargetFilter(0.1, 0.5), np.random.default_rng(0), []

@@ -24,12 +24,16 @@ else is in it. With R = s R_told the factor s is a quantile of many squared seco
 the variance that is told, divided by that of chi-square: turns on the spot, jumps and outliers are
 rare and leave a quantile alone, and no filter that has lost the target misleads it.
 
+Where heights scatter much more than places, as those of many trackers do, they tell nothing of R:
+the second differences are then the horizontal ones alone.
+
 Many of them make the factor accurate, few of them make it quick: the last few hundred count as long
 as the newest agree with them, and the newest alone where they do not, for the noise has changed.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 
 import numpy as np
@@ -43,6 +47,11 @@ SPAN = 5.0  # s, within which the target's acceleration is taken as small
 RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
 QUANTILE = 0.4  # -, that is compared: with 20 % outliers half of the differences are wrong
 CHI_SQUARE = 1.8691684  # -, that quantile, of 3 degrees of freedom
+LEVEL = 1.0216512  # -, the same of 2
+# -: noise of heights over that of places, from which on heights count by themselves; and the ratio
+# of mean absolute values: of one normal number, and of the length of two
+UNEVEN = 2.0
+ABSOLUTES = math.sqrt(2.0 / math.pi) / math.sqrt(0.5 * math.pi)
 SCALE_MIN, SCALE_MAX = 1e-12, 1e12  # -, of what is believed of a variance
 
 
@@ -52,6 +61,7 @@ class MeasurementNoise:
     Attributes:
         scale: The factor, 1 before anything is known, [-].
         known: Whether enough has been measured for the factor to be more than a guess.
+        uneven: Whether heights scatter much more than places.
     """
 
     def __init__(self) -> None:
@@ -61,7 +71,8 @@ class MeasurementNoise:
         """Believe again what is told."""
         self._recent: deque[tuple[float, NDArray[np.float64], float]] = deque(maxlen=2)
         self._squares = deque([CHI_SQUARE], maxlen=WINDOW)
-        self.scale, self.known = 1.0, False
+        self.scale, self.known, self.uneven = 1.0, False, False
+        self._count, self._level, self._up = 0, 0.0, 0.0  # mean absolute second differences
 
     def see(self, time: float, position: NDArray[np.float64], variance: float) -> None:
         """Take in a position, whether or not a filter believes it.
@@ -78,8 +89,20 @@ class MeasurementNoise:
                 ratio = (time - t1) / (t1 - t0)
                 difference = position - z1 - ratio * (z1 - z0)
                 told = variance + (1.0 + ratio) ** 2 * r1 + ratio * ratio * r0
-                self._add(float(difference @ difference) / told)
+                self._compare(difference / math.sqrt(told))
+                square = float(difference @ difference)
+                if self.uneven:
+                    square = CHI_SQUARE / LEVEL * (square - float(difference[2]) ** 2)
+                self._add(square / told)
         recent.append((time, position, variance))
+
+    def _compare(self, difference: NDArray[np.float64]) -> None:
+        """Compare heights with places by a normalised second difference."""
+        east, north, up = difference.tolist()
+        self._count = min(self._count + 1, WINDOW)
+        self._level += (math.hypot(east, north) - self._level) / self._count
+        self._up += (abs(up) - self._up) / self._count
+        self.uneven = self._count >= NEWEST and self._up > UNEVEN * ABSOLUTES * self._level
 
     def _add(self, square: float) -> None:
         self._squares.append(square)

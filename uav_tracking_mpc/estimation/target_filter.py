@@ -21,7 +21,8 @@ themselves (:mod:`~uav_tracking_mpc.estimation.measurement_noise`,
 A position that the track can hardly explain is left out. Should the next ones be left out too and
 agree with each other, then the target has jumped and the track starts anew from them. The noise is
 learned from all positions, those left out as well: told far too small, it is corrected within a
-second, and a good track is not left.
+second, and a good track is not left. It is the same on all axes, unless heights scatter much more
+than places: they are then followed by themselves, slowly.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.estimation.flight_path import Followed
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
 from uav_tracking_mpc.estimation.singer_motion import bridged
@@ -44,6 +46,7 @@ RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be 
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
 REWIND = 1.0  # s before the newest position for which an estimate is given
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
+SLOW_HEIGHT = 0.2  # rad/s, where heights are much noisier than places: targets hardly climb
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
 
 
@@ -98,6 +101,8 @@ class TargetFilter:
         self._track: TargetTrack | None = None
         self._rival: TargetTrack | None = None  # of positions left out in a row
         self._last = np.zeros(3)  # that was not late
+        self._height = Followed()
+        self._seen_height: float | None = None  # when in [s]
         self._scaling = MeasurementNoise()
         self._own = self._told  # the noise to which the scale belongs; 0 where covariances come
         self.noise = self._told
@@ -156,6 +161,7 @@ class TargetFilter:
             return False
         self._last = measured
         variance = self._variance(time, measured, told)
+        measured = self._with_height(time, measured)
         doubted = told is None and not self._scaling.known
         seen = time, measured, variance, GATE, motion, doubted
         if self._track is None or time - self._track.time > FORGOTTEN:
@@ -163,6 +169,8 @@ class TargetFilter:
             self._track, self._rival = begun, None
             return True
         if self._track.update(*seen):
+            if self._scaling.uneven:
+                self._track.lift(self._height.value, self._height.rate)
             self._rival = None
             return True
         if self._rival is None or not self._rival.update(*seen):
@@ -181,6 +189,17 @@ class TargetFilter:
         velocity = self._track.state[1]
         moves = velocity @ velocity > GATE * self._track.covariance[1, 1]
         return bool(moves and np.array_equal(position, self._last))
+
+    def _with_height(self, time: float, position: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The position; its height is the expected one where heights are followed by themselves."""
+        height, before = self._height, self._seen_height
+        self._seen_height = time
+        if before is None or not self._scaling.uneven:
+            height.value, height.rate = float(position[2]), 0.0
+            return position
+        expected = height.value + (time - before) * height.rate
+        height.see(time - before, float(position[2]), SLOW_HEIGHT)
+        return np.array([position[0], position[1], expected])
 
     def _variance(self, time: float, position: NDArray[np.float64], told: float | None) -> float:
         """Variance of a position in [m^2]: what is told, as far as the positions bear it out."""

@@ -186,6 +186,16 @@ class TargetTrack:
             self._weigh(np.log(self.probabilities) + weights)
             self._merge()
 
+    def lift(self, height: float, climb: float) -> None:
+        """Put the target at a height, which is followed by itself.
+
+        Args:
+            height: In [m].
+            climb: In [m/s].
+        """
+        self._states[:, :, 2] = height, climb, 0.0
+        self.state[:, 2] = height, climb, 0.0
+
     def _predicted(
         self, elapsed: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
