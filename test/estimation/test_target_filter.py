@@ -334,6 +334,18 @@ def test_heights_that_scatter_much_more_than_places_spoil_neither(level):
     assert worst_climb < 0.5
 
 
+@pytest.mark.parametrize("interval", [0.1, 1.0])
+def test_a_target_that_climbs_and_sinks_does_not_scatter(interval):
+    """As a drone on a straight way does, measured without noise."""
+    target, worst = TargetFilter(0.1, 0.5), 0.0
+    for time in np.arange(0.0, 120.0, interval):
+        true = np.add(straight(time), [0.0, 0.0, 10.0 * np.sin(0.3 * time)])
+        target.update(time, true)
+        if time > 30.0:
+            worst = max(worst, abs(target.predict(time).position[2] - true[2]))
+    assert worst < 0.5
+
+
 def test_heavy_tails_are_no_turns():
     """Student's t of 2 degrees of freedom, whose variance is infinite."""
     target, random, errors = TargetFilter(0.1, 0.5), np.random.default_rng(0), []

@@ -157,6 +157,7 @@ class AirData:
             measurement: Its own airspeed counts first, then the one that came by itself.
         """
         airspeed, stamp = measurement.airspeed, measurement.stamp
+        self._path.height_noise = max(measurement.noise.position[2], self.position_noise)
         if stamp != self._latest:
             self._compare(measurement, min(stamp - self._latest, self.timeout))
             self._before, self._latest = self._latest, stamp
@@ -170,7 +171,6 @@ class AirData:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         self._path.velocity_failed = self.velocity_failed
-        self._path.height_noise = max(measurement.noise.position[2], self.position_noise)
         if airspeed is None:
             plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:
@@ -209,10 +209,10 @@ class AirData:
         turned = elapsed * measurement.turn_rate
         self._heading.see(measurement.heading, elapsed, turned, STUCK_TURN)
         self._velocity.see(velocity, elapsed, turned, STUCK_TURN)
-        noise = max(measurement.noise.position[2], self.position_noise)
         missed = height - self._height - elapsed * velocity[2]
         missed = 0.0 if math.isnan(missed) else missed
-        self._climb.see(velocity[2], elapsed, missed, STUCK_CLIMB + NOISE_MULTIPLE * noise)
+        most = STUCK_CLIMB + NOISE_MULTIPLE * self._path.height_noise
+        self._climb.see(velocity[2], elapsed, missed, most)
         # Where height and climb are stuck together, the pitch tells.
         self._level.see(velocity[2], elapsed, elapsed * self._path.climb.missed, STUCK_CLIMB)
         self._height = height

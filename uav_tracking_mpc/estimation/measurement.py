@@ -132,10 +132,9 @@ class Measurement:
             object.__setattr__(self, name, vector)
         for name in NUMBERS:
             value = getattr(self, name)
-            if name in MISSING and value is not None and math.isnan(value):
+            if name in MISSING and (value is None or math.isnan(value)):
                 object.__setattr__(self, name, None)
-                continue
-            if not (value is None and name in MISSING) and not math.isfinite(value):
+            elif not math.isfinite(value):
                 raise MeasurementError(f"{name} is {value!r}, must be a finite number")
 
     @property

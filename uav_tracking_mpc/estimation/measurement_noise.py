@@ -47,7 +47,7 @@ SPAN = 5.0  # s, within which the target's acceleration is taken as small
 RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
 QUANTILE = 0.4  # -, that is compared: with 20 % outliers half of the differences are wrong
 CHI_SQUARE = 1.8691684  # -, that quantile, of 3 degrees of freedom
-LEVEL = 1.0216512  # -, the same of 2
+CHI_SQUARE_LEVEL = 1.0216512  # -, the same of 2
 # -: noise of heights over that of places, from which on heights count by themselves; and the ratio
 # of mean absolute values: of one normal number, and of the length of two
 UNEVEN = 2.0
@@ -61,7 +61,8 @@ class MeasurementNoise:
     Attributes:
         scale: The factor, 1 before anything is known, [-].
         known: Whether enough has been measured for the factor to be more than a guess.
-        uneven: Whether heights scatter much more than places.
+        uneven: Whether heights scatter much more than places. They do if what they change by goes
+            up and down in turn; a target that climbs and sinks smoothly does not scatter.
     """
 
     def __init__(self) -> None:
@@ -72,7 +73,9 @@ class MeasurementNoise:
         self._recent: deque[tuple[float, NDArray[np.float64], float]] = deque(maxlen=2)
         self._squares = deque([CHI_SQUARE], maxlen=WINDOW)
         self.scale, self.known, self.uneven = 1.0, False, False
-        self._count, self._level, self._up = 0, 0.0, 0.0  # mean absolute second differences
+        # -: averages of the length of horizontal second differences, of the size of vertical ones,
+        # and of the product of two vertical ones in turn; and the last of these
+        self._count, self._level, self._up, self._product, self._last = 0, 0.0, 0.0, 0.0, 0.0
 
     def see(self, time: float, position: NDArray[np.float64], variance: float) -> None:
         """Take in a position, whether or not a filter believes it.
@@ -92,7 +95,7 @@ class MeasurementNoise:
                 self._compare(difference / math.sqrt(told))
                 square = float(difference @ difference)
                 if self.uneven:
-                    square = CHI_SQUARE / LEVEL * (square - float(difference[2]) ** 2)
+                    square = CHI_SQUARE / CHI_SQUARE_LEVEL * (square - float(difference[2]) ** 2)
                 self._add(square / told)
         recent.append((time, position, variance))
 
@@ -102,7 +105,10 @@ class MeasurementNoise:
         self._count = min(self._count + 1, WINDOW)
         self._level += (math.hypot(east, north) - self._level) / self._count
         self._up += (abs(up) - self._up) / self._count
-        self.uneven = self._count >= NEWEST and self._up > UNEVEN * ABSOLUTES * self._level
+        self._product += (up * self._last - self._product) / self._count
+        self._last = up
+        large = self._up > UNEVEN * ABSOLUTES * self._level
+        self.uneven = self._count >= NEWEST and large and self._product < 0.0
 
     def _add(self, square: float) -> None:
         self._squares.append(square)

@@ -142,12 +142,12 @@ class NoiseMeters:
         )
 
     def scatter(self, known: SimpleNamespace, which: int, sample: ca.SX) -> ca.SX:
-        """Variance that a signal shows before it has been metered for long; else 0.
+        """Variance in the square of the unit [SI] that a signal shows at first; 0 later.
 
         Args:
             known: By :attr:`layout`.
             which: The signal.
-            sample: Its components.
+            sample: Its components in its unit [SI].
         """
         early = (known.count > 0.0) * (known.weight < PRIOR_TIME + MEASURED_TIME)
         first = sum(self._sizes[:which])

@@ -78,13 +78,13 @@ _ROWS, _COLUMNS = (index.T[np.tril_indices(SIZE)] for index in np.indices((SIZE,
 DIAGONAL = np.flatnonzero(_ROWS == _COLUMNS)
 _OF_POSITION = np.flatnonzero(P.stop > _ROWS)
 # Of the level wind triangle, the vertical one, and the position.
+POSITION = 2  # of these signals
 METERS = NoiseMeters(
     (2, 1, 3),
     (VELOCITY_NOISE, VELOCITY_NOISE, POSITION_NOISE),
     (GUST_WALK, GUST_WALK, 0.0),
-    jumping=[2],
+    jumping=[POSITION],
 )
-POSITION = 2  # of these signals
 
 
 # Which part of a gust lasts
