@@ -154,9 +154,11 @@ def test_a_range_that_cannot_be_flown_is_refused_in_the_controllers_words(flight
     assert flight.steering.parameters(CONTROLLER)["range"] == 300.0
     assert flight.steering.change(CONTROLLER, range=260.0) == ""
     assert flight.circles()
-    sight = flight.sight
-    away = np.linalg.norm(sight.position - sight.target.truth)
-    assert away == pytest.approx(260.0, abs=1.5)
+
+    def away():  # on a busy machine commands are late, and one sight alone may be off
+        return np.linalg.norm(flight.sight.position - flight.sight.target.truth)
+
+    assert flight.wait(lambda: away() == pytest.approx(260.0, abs=1.5))
     assert flight.steering.change(CONTROLLER, range=300.0) == ""
 
 

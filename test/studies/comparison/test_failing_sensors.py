@@ -1,0 +1,319 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Flights in which one thing fails: it is found soon, nothing else is blamed, no limit passed."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc import load_configuration, simulate
+from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.estimation.navigator import Navigator
+from uav_tracking_mpc.estimation.sensor_health import USED
+from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
+from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
+
+LONG = pytest.mark.long
+
+
+def flown_two_minutes(plant, wrong, *settings):
+    """Log of a flight in wind, in which something is wrong from 60 s on."""
+    if plant == "jsbsim":
+        pytest.importorskip("jsbsim")
+    overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    overrides += [*settings, "nmpc_controller.solve_time_max=10.0"]
+    changes = ((60.0, f"uav_simulator.{wrong}"),)
+    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=changes)
+    loop = ClosedLoop(config)
+    while loop.time < 120.0:
+        loop.tick()
+    return loop.log(120.0)
+
+
+@pytest.mark.parametrize(
+    ("plant", "angle"),
+    [
+        ("vehicle", 0.5),
+        ("jsbsim", 0.5),
+        pytest.param("vehicle", 1.5, marks=LONG),
+        pytest.param("jsbsim", 1.5, marks=LONG),
+    ],
+)
+def test_a_front_of_the_wind_keeps_the_airspeed(plant, angle):
+    """9 m/s in 4 s along the flight: as an airspeed that jumps, until the aircraft is moved by it.
+
+    Whoever believes the ground velocity instead slows down, or speeds up, by as much.
+    """
+    if plant == "jsbsim":
+        pytest.importorskip("jsbsim")
+    begin, lasts = 90.0, 4.0
+    told = [f"mission.plant={plant}", "target_publisher.motion=stationary"]
+    told += ["uav_simulator.wind=[0.0, 0.0, 0.0]", "nmpc_controller.solve_time_max=10.0"]
+    blows = 9.0 * np.array([math.cos(angle * math.pi), math.sin(angle * math.pi), 0.0])
+    front = tuple(
+        (begin + share * lasts, f"uav_simulator.wind={(share * blows).tolist()}")
+        for share in np.linspace(0.05, 1.0, 20)
+    )
+    loop = ClosedLoop(dataclasses.replace(load_configuration("small_uav", told), changes=front))
+    while loop.time < begin + 30.0:
+        flown = loop.tick().truth.airspeed
+        assert loop.time < begin or flown == pytest.approx(22.0, abs=4.0)
+    news = [(each.sensor, each.state) for each in loop.log(loop.time).sensors]
+    assert news in ([], [("airspeed", "jumped"), ("airspeed", "used")])  # and soon
+    # The airspeed's bias has taken up to 1 m/s of it, which fades slowly.
+    assert flown == pytest.approx(22.0, abs=1.5)
+
+
+@pytest.mark.parametrize(
+    ("direction", "told", "bias"),
+    [
+        ("clockwise", 1.0, 0.1),
+        ("counter_clockwise", 0.0, 0.0),
+        pytest.param("clockwise", 0.0, 0.0, marks=LONG),
+        pytest.param("counter_clockwise", 1.0, 0.1, marks=LONG),
+    ],
+)
+def test_a_heading_that_jumps_is_named_whatever_tells_the_turn(direction, told, bias, monkeypatch):
+    """No gyro, or one that is 6 deg/s off: neither is what the heading has changed by itself."""
+    estimate = Navigator.estimate
+
+    def of_gyro(self, seen, *rest):
+        turn = told * seen.turn_rate + bias
+        return estimate(self, dataclasses.replace(seen, turn_rate=turn), *rest)
+
+    monkeypatch.setattr(Navigator, "estimate", of_gyro)
+    overrides = [f"nmpc_controller.direction={direction}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    jump = ((60.0, "uav_simulator.heading_bias=0.3"),)
+    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=jump)
+    loop = ClosedLoop(config)
+    while loop.time < 62.0:
+        loop.tick()
+    news = [(each.sensor, each.state) for each in loop.log(loop.time).sensors]
+    assert news == [("heading", "jumped")]
+
+
+@pytest.mark.parametrize(
+    ("plant", "rate", "gusts"),
+    [
+        ("vehicle", 1.0, 15.4),
+        pytest.param("jsbsim", -2.0, 0.0, marks=LONG),
+        pytest.param("vehicle", 0.2, 0.0, marks=LONG),
+        pytest.param("jsbsim", 1.0, 15.4, marks=LONG),
+    ],
+)
+def test_a_heading_that_drifts_is_left_out(plant, rate, gusts):
+    """By so many deg/s: the wind seemed to turn with it, and the orbit was lost by 140 to 500 m."""
+    drift = tuple(
+        (60.0 + time, f"uav_simulator.heading_bias={math.radians(rate * time)}")
+        for time in np.arange(0.0, 75.0, 0.5)
+    )
+    overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    overrides += [f"uav_simulator.gust_intensity={gusts}", "nmpc_controller.solve_time_max=10.0"]
+    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=drift)
+    loop = ClosedLoop(config)
+    while loop.time < 150.0:
+        loop.tick()
+    log = loop.log(loop.time)
+    assert [(each.sensor, each.state) for each in log.sensors] == [("heading", "off")]
+    assert np.abs(log.error[log.time > 60.0, 0]).max() < 9.0
+
+
+@pytest.mark.parametrize(
+    ("plant", "wrong"),
+    [
+        ("vehicle", "velocity_gain=1.5"),
+        pytest.param("vehicle", "velocity_bias=[-7.0, -7.0, 0.0]", marks=LONG),
+        ("jsbsim", "velocity_gain=0.0"),
+        pytest.param("jsbsim", "velocity_bias=[0.0, 0.0, -4.0]", marks=LONG),
+    ],
+)
+def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wrong):
+    """It is believed at first, and with it a wind that does not blow."""
+    log = flown_two_minutes(plant, wrong, "uav_simulator.gust_intensity=7.7")
+    named = [each for each in log.sensors if each.sensor == "ground velocity"]
+    assert {each.state for each in named} <= {"off", "stuck"}  # as one that stays at 0 is
+    assert 60.0 <= named[0].time < 63.5
+    assert {each.sensor for each in log.sensors} <= {"ground velocity", "position"}
+    assert np.abs(log.error[log.time > 90.0, 0]).max() < 2.0
+    airspeeds = log.vehicle[log.time > 60.0, 5]
+    assert 19.0 < airspeeds.min() <= airspeeds.max() < 25.0
+
+
+@pytest.mark.parametrize(
+    ("plant", "wrong", "sensor"),
+    [
+        ("jsbsim", "heading_bias=0.5", "heading"),
+        ("vehicle", "velocity_gain=1.5", "ground velocity"),
+        pytest.param("jsbsim", "velocity_gain=0.0", "ground velocity", marks=LONG),
+        pytest.param("vehicle", "heading_bias=-0.15", "heading", marks=LONG),
+        pytest.param("jsbsim", "velocity_gain=-1.0", "ground velocity", marks=LONG),
+        pytest.param("vehicle", "velocity_bias=[-6.0, 4.0, 0.0]", "ground velocity", marks=LONG),
+    ],
+)
+def test_an_aircraft_without_an_airspeed_bears_one_more_failure(plant, wrong, sensor):
+    """The gyros tell that a heading jumps, and positions alone how the aircraft moves."""
+    log = flown_two_minutes(plant, wrong, "uav_simulator.airspeed_fault=silent")
+    named = [each for each in log.sensors if each.sensor == sensor]
+    assert {each.state for each in named} <= (
+        {"jumped"} if sensor == "heading" else {"off", "stuck"}
+    )
+    assert 60.0 <= named[0].time < 63.5
+    assert np.abs(log.error[log.time > 100.0, 0]).max() < 1.5
+    airspeeds = log.vehicle[log.time > 60.0, 5]
+    assert 14.0 <= airspeeds.min() <= airspeeds.max() <= 32.0
+
+
+@pytest.mark.parametrize(
+    ("seed", "airspeed", "wrong"), [(4, 27.0, -6.0), pytest.param(2, 22.0, 6.0, marks=LONG)]
+)
+def test_an_airspeed_that_nobody_finds_wrong_passes_no_limit(seed, airspeed, wrong):
+    """Strong gusts hide it; an orbit that did not keep away reached 34.4 m/s, and 13.3."""
+    settings = f"uav_simulator.seed={seed}", "uav_simulator.gust_intensity=15.4"
+    orbit = "nmpc_controller.range=300.0", f"nmpc_controller.airspeed={airspeed}"
+    log = flown_two_minutes("jsbsim", f"airspeed_bias={wrong}", *settings, *orbit)
+    airspeeds = log.vehicle[log.time > 60.0, 5]
+    assert not log.sensors
+    assert 14.0 <= airspeeds.min() <= airspeeds.max() <= 32.0
+
+
+def test_bank_and_turn_tell_an_airspeed_that_is_wrong_from_the_start():
+    """It reads 22 m/s at 14: wind and ground velocity alone took minutes to tell."""
+    pytest.importorskip("jsbsim")
+    settings = "uav_simulator.airspeed_bias=8.0", "mission.duration=60"
+    log = simulate(load_configuration("jsbsim_uav", settings, "crosswind"))
+    assert log.error[log.time > 15.0, 4].min() < -5.0
+    assert np.abs(log.error[log.time > 55.0, 4]).max() < 1.5
+    assert not log.sensors
+
+
+@pytest.mark.parametrize("plant", ["vehicle", pytest.param("jsbsim", marks=LONG)])
+def test_a_height_that_is_stuck_is_carried_on_by_the_velocity(plant):
+    """In gusts; what the filter took for a bias of the velocity once led away by 30 m."""
+    gusts = "uav_simulator.seed=4", "uav_simulator.gust_intensity=15.4"
+    log = flown_two_minutes(plant, "position_fault=level", *gusts)
+    assert np.abs(log.vehicle[log.time > 60.0, 2] - 120.0).max() < 6.0
+    assert {each.sensor for each in log.sensors} <= {"position"}
+
+
+@pytest.mark.parametrize("altitude", [280.0, pytest.param(150.0, marks=LONG)])
+def test_a_height_that_is_stuck_contradicts_no_climb(altitude):
+    """It was the ground velocity that was blamed for it, and the commands ended."""
+    settings = ["uav_simulator.initial_position=[591.6,0.0,220.0]", "nmpc_controller.altitude=220"]
+    settings += ["nmpc_controller.range=400.0"]
+    changes = (
+        (60.0, "uav_simulator.position_fault=level"),
+        (65.0, f"nmpc_controller.altitude={altitude}"),
+    )
+    flight = load_configuration("small_uav", [*settings, "mission.duration=120"], "crosswind")
+    log = simulate(dataclasses.replace(flight, changes=changes))
+    assert np.abs(log.vehicle[log.time > 100.0, 2] - altitude).max() < 5.0
+    assert [(each.sensor, each.state) for each in log.sensors] == [("position", "stuck")]
+
+
+def climbing(share):
+    return lambda seen: {"ground_velocity": seen.ground_velocity * [1.0, 1.0, share]}
+
+
+def reading(share):
+    return lambda seen: {"airspeed": share * seen.airspeed}
+
+
+@pytest.mark.parametrize(
+    ("told", "sensor", "state"),
+    [
+        (climbing(0.0), "ground velocity", "stuck"),  # nothing measures it
+        (climbing(-1.0), "ground velocity", "off"),  # counted down
+        (reading(1.94), "airspeed", "off"),  # knots
+        (reading(0.28), "airspeed", "off"),  # m/s taken for km/h
+    ],
+)
+def test_mistakes_in_what_a_source_tells_are_found_from_the_start(told, sensor, state, monkeypatch):
+    step = Controller.step
+
+    def mistaken(self, seen, *rest):
+        return step(self, dataclasses.replace(seen, **told(seen)), *rest)
+
+    monkeypatch.setattr(Controller, "step", mistaken)
+    log = flown_two_minutes("vehicle", "gust_intensity=2.0")
+    assert [(each.sensor, each.state) for each in log.sensors] == [(sensor, state)]
+    assert np.abs(log.error[log.time > 60.0, 0]).max() < 1.0
+    assert log.vehicle[:, 5].min() > 16.0
+    assert log.vehicle[:, 5].max() < 32.0
+
+
+def turned(angle):
+    return lambda seen: {"heading": seen.heading + angle}
+
+
+@pytest.mark.parametrize(
+    ("told", "sensor"),
+    [
+        (climbing(-1.0), "ground velocity"),
+        (turned(math.pi), "heading"),
+        pytest.param(turned(1.5), "heading", marks=LONG),
+        pytest.param(lambda _: {"ground_velocity": [0.0] * 3}, "ground velocity", marks=LONG),
+    ],
+)
+def test_in_gusts_and_with_noisy_positions_a_rigid_aircraft_survives(told, sensor, monkeypatch):
+    """Nobody tells the noise of the positions, and at 60 s a sensor fails as badly as it can."""
+    step, rng = Controller.step, np.random.default_rng(6)
+
+    def mistaken(self, seen, *rest):
+        wrong = told(seen) if seen.stamp > 60.0 else {}
+        noisy = seen.position + rng.normal(0.0, 1.5, 3)
+        return step(self, dataclasses.replace(seen, position=noisy, **wrong), *rest)
+
+    monkeypatch.setattr(Controller, "step", mistaken)
+    log = flown_two_minutes("jsbsim", "velocity_gain=1.0", "uav_simulator.gust_intensity=15.4")
+    assert {each.sensor for each in log.sensors if each.state != USED} == {sensor}
+    assert all(each.time > 60.0 for each in log.sensors)
+    assert np.abs(log.error[log.time > 80.0, 0]).max() < 5.0
+    assert np.abs(log.vehicle[log.time > 50.0, 2] - 120.0).max() < 20.0
+    assert log.vehicle[:, 5].min() > 14.0
+
+
+@pytest.mark.parametrize(
+    ("velocity", "lost"), [("stuck", 20.0), pytest.param("none", 100.0, marks=LONG)]
+)
+def test_a_position_that_is_carried_on_comes_to_an_end(velocity, lost):
+    """Nobody flies for ever by a place that only wind and velocities tell."""
+    faults = {"position_fault": "silent", "velocity_fault": velocity}
+    found = 60.0 + lost + 5.0
+    changes = [(60.0, f"uav_simulator.{name}={fault}") for name, fault in faults.items()]
+    changes += [(found, f"uav_simulator.{name}=none") for name in faults]
+    config = load_configuration("small_uav", ["uav_simulator.wind=[5.0, 3.0, 0.0]"])
+    loop = ClosedLoop(dataclasses.replace(config, changes=tuple(changes)))
+    while loop.time < found + 5.0:
+        loop.tick()
+    silent, again = loop.log(loop.time).modes[-2:]
+    assert silent.mode is FallbackMode.SILENCE
+    assert silent.time == pytest.approx(60.0 + lost, abs=1.5)
+    assert again.mode.nominal
+    assert found <= again.time < found + 4.0
+
+
+@LONG
+def test_gusts_on_a_straight_way_in_blame_no_sensor():
+    """All that is known of the wind then comes from one direction."""
+    for case in variants(mismatched("small_uav", "gust_light"), "gust_light"):
+        loop = ClosedLoop(case)
+        while loop.time < 40.0:
+            loop.tick()
+        log = loop.log(40.0)
+        assert not log.sensors
+        assert abs(log.error[-1, 0]) < 3.0
