@@ -33,6 +33,7 @@ from solver_problems import PAPER_START, paper
 from uav_tracking_mpc.mpc import compiled_method, machine_code
 from uav_tracking_mpc.mpc.compiled_method import Compilation, CompilationError
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.symbolic import code_cache
 
 
 @pytest.fixture
@@ -150,7 +151,7 @@ def test_machine_code_of_another_user_is_not_run(kept, monkeypatch):
     other = SimpleNamespace(st_uid=found.st_uid + 1, st_mode=found.st_mode)
     monkeypatch.setattr(compiled_method.os, "getuid", lambda: found.st_uid + 2)
     monkeypatch.setattr(Path, "stat", lambda path: other)
-    assert not compiled_method._ours(kept.parent)
+    assert not code_cache.ours(kept.parent)
 
 
 @pytest.mark.parametrize("mode", [0o770, 0o707])
@@ -174,7 +175,7 @@ def test_what_the_power_cut_off_is_made_anew(places):
 def test_a_file_that_cannot_be_written_leaves_no_draft(tmp_path):
     (tmp_path / "stage.py").mkdir()
     with pytest.raises(OSError, match="stage.py"):
-        machine_code.write(tmp_path / "stage.py", b"N = 1")
+        code_cache.write(tmp_path / "stage.py", b"N = 1")
     assert [path.name for path in tmp_path.iterdir()] == ["stage.py"]
 
 
@@ -213,6 +214,7 @@ problem = OptimalControlProblem(
     horizon=3, step=0.1, input_lower=np.array([-1.0]), input_upper=np.array([1.0]),
 )
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.symbolic import code_cache
 print("begin", flush=True)
 print(NewtonSolver(problem).solve([0.5]).message)
 print("numba" in sys.modules)

@@ -57,12 +57,14 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     from uav_tracking_mpc.control.guidance import compile_flight, compiled_into
+    from uav_tracking_mpc.estimation.navigator import Navigator
     from uav_tracking_mpc.mpc import machine_code
 
     begin = time.perf_counter()
     configuration = chosen_configuration(arguments)
     folder = compiled_into(configuration.controller)
     there = folder is None or machine_code.finished(folder)
+    Navigator(configuration.controller)  # whose machine code the end of this process waits for
     compile_flight(configuration.controller)
     seconds = time.perf_counter() - begin
     found = {

@@ -67,8 +67,8 @@ from uav_tracking_mpc.estimation.wind_filter import (
     T,
     W,
 )
-from uav_tracking_mpc.symbolic.functions import BufferedFunction
 from uav_tracking_mpc.symbolic.layout import Layout
+from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothing of it
 # m/s, standard deviations of what is not measured. Along the way enough that in hours nothing is
@@ -122,7 +122,7 @@ class AirEstimate:
         self.health = SensorHealth()
         self._memory, self._told = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(self._told)
-        self._step = BufferedFunction(_step(), [self._memory, self._told])
+        self._step = NativeFunction(_step(), [self._memory, self._told])
         self.found = FOUND.parts(self._step.results[1])
         self.reset()
 

@@ -31,8 +31,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.estimation.turn_prediction import TURN
-from uav_tracking_mpc.symbolic.functions import BufferedFunction
 from uav_tracking_mpc.symbolic.layout import Layout
+from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 # s: a measurement corrects the target's track by steps. They are faded in with this time constant,
 # or those of a noisy track would go straight into the bank angle.
@@ -52,7 +52,7 @@ class Outlook:
     """
 
     def __init__(self, count: int, rewind: float) -> None:
-        self._function, self._count = BufferedFunction(_function(count, rewind)), count
+        self._function, self._count = NativeFunction(_function(count, rewind)), count
 
     def __call__(
         self,

@@ -28,7 +28,6 @@ which start together cannot read half a file, and sources that were damaged do n
 from __future__ import annotations
 
 import base64
-import contextlib
 import ctypes
 import hashlib
 import json
@@ -40,7 +39,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from functools import cache
 from importlib import metadata, resources
 from pathlib import Path
@@ -52,6 +51,8 @@ import numpy as np
 
 from uav_tracking_mpc.mpc import machine_code, stage_code
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.symbolic.code_cache import cache_directory, ours, places, write
+from uav_tracking_mpc.symbolic.native_code import linked
 
 logger = logging.getLogger(__name__)
 
@@ -178,53 +179,14 @@ def method_folder(problem: OptimalControlProblem) -> Path:
         NotImplementedError: An expression uses an operation that has no translation.
     """
     name = "newton_" + _digest(problem)
-    for place in _places():
-        if _ours(place) and machine_code.finished(place / name):
+    for place in places():
+        if ours(place) and machine_code.finished(place / name):
             return place / name
     folder = cache_directory() / name
     folder.mkdir(mode=0o700, exist_ok=True)
     for file, text in (*_method_sources(), ("stage.py", stage_code.stage_module(problem))):
-        machine_code.write(folder / file, text.encode())
+        write(folder / file, text.encode())
     return folder
-
-
-def cache_directory() -> Path:
-    """Writable directory for compiled solvers: XDG cache, or one of this user's under temp."""
-    for place in _places():
-        try:
-            place.mkdir(mode=0o700, parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=place):
-                pass
-        except OSError:
-            continue
-        if _ours(place):
-            return place
-    return _last_resort()
-
-
-def _places() -> Iterator[Path]:
-    """Where compiled solvers may be; the first one that can be written takes new ones."""
-    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    with contextlib.suppress(RuntimeError):  # nobody knows where this user's home is
-        yield Path(base).expanduser() / "uav_tracking_mpc"
-    user = os.getuid() if hasattr(os, "getuid") else "user"
-    yield Path(tempfile.gettempdir()) / f"uav_tracking_mpc-{user}"
-
-
-@cache
-def _last_resort() -> Path:
-    return Path(tempfile.mkdtemp(prefix="uav_tracking_mpc-"))
-
-
-def _ours(place: Path) -> bool:
-    """Whether nobody but this user and root can have written there: machine code is run from it."""
-    if not hasattr(os, "getuid"):
-        return True
-    try:
-        found = place.stat()
-        return found.st_uid in (os.getuid(), 0) and not found.st_mode & 0o022
-    except OSError:
-        return False
 
 
 @cache
@@ -294,7 +256,10 @@ class CompiledMethod:
         self.workspace.WORKSPACE = np.dtype(fields, align=True)
         if self.workspace.WORKSPACE.itemsize != description["size"]:
             raise RuntimeError(f"{folder} was written by another version of NumPy: delete it")
-        self._function = self._linked(map(base64.b64decode, description["objects"]))
+        objects = map(base64.b64decode, description["objects"])
+        # It gives the interpreter's lock away.
+        prototype = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)
+        self._function = linked(objects, machine_code.ENTRY, prototype)
 
     def entry(self) -> Callable[[int, int, float, float, int, float, float], int]:
         """``minimise`` of ``newton/minimise.py``, for one caller: each has a block of arguments."""
@@ -318,21 +283,6 @@ class CompiledMethod:
             return function(place)
 
         return minimise
-
-    def _linked(self, objects: Iterable[bytes]) -> Callable[[int], int]:
-        from llvmlite import binding
-
-        binding.initialize_native_target()
-        binding.initialize_native_asmprinter()
-        machine = binding.Target.from_default_triple().create_target_machine(
-            codemodel="jitdefault", jit=True
-        )
-        self._engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
-        for content in objects:
-            self._engine.add_object_file(binding.ObjectFileRef.from_data(content))
-        self._engine.finalize_object()
-        prototype = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)  # releases the GIL
-        return prototype(self._engine.get_function_address(machine_code.ENTRY))
 
 
 def compile_method(problem: OptimalControlProblem) -> CompiledMethod:

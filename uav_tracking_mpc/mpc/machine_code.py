@@ -31,12 +31,13 @@ import importlib.util
 import json
 import os
 import sys
-import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from uav_tracking_mpc.symbolic.code_cache import write
 
 DESCRIPTION = "method.json"
 LOCK = "lock"
@@ -188,24 +189,6 @@ def _constants(module: ModuleType) -> dict[str, int | float]:
         if name.isupper() and isinstance(value, (int, float, np.integer, np.floating)):
             found[name] = value if isinstance(value, (int, float)) else value.item()
     return found
-
-
-def write(path: Path, content: bytes) -> None:
-    """Write a file in one step, however many processes do.
-
-    Args:
-        path: Of the file.
-        content: For it.
-    """
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f"{path.name}.", delete=False) as file:
-        draft = Path(file.name)
-        try:
-            file.write(content)
-            file.close()
-            draft.replace(path)
-        except OSError:
-            draft.unlink()
-            raise
 
 
 if __name__ == "__main__":

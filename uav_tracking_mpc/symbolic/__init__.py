@@ -14,8 +14,10 @@
 
 """CasADi's tools, whatever they are used for.
 
-=============  =================================================================================
-``functions``  built by one thread at a time, on arrays of their own, walked through; time steps
-``layout``     names for the parts of a flat vector
-=============  =================================================================================
+===============  ===============================================================================
+``functions``    built by one thread at a time, on arrays of their own, walked through; time steps
+``layout``       names for the parts of a flat vector
+``code_cache``   where machine code is kept
+``native_code``  functions as machine code, with the same numbers
+===============  ===============================================================================
 """

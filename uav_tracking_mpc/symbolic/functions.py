@@ -64,6 +64,7 @@ class BufferedFunction:
             of its own.
 
     Attributes:
+        function: As above.
         arguments: Flat arrays of their own, or those given.
         results: One flat array for each result, by columns, overwritten each time.
     """
@@ -77,6 +78,7 @@ class BufferedFunction:
             for k, array in enumerate(given)
         ]
         self.results = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
+        self.function = function
         self._buffer, self._evaluate = function.buffer()
         for k, array in enumerate(self.arguments):
             self._buffer.set_arg(k, memoryview(array.reshape(-1)))  # type: ignore
