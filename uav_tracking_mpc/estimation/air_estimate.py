@@ -116,12 +116,14 @@ class AirEstimate:
     Attributes:
         health: Of all sensors.
         found: Aircraft and air as they are known, by :data:`FOUND`; overwritten by each update.
+        state: Of the filter that is flown by, by :data:`STATE`; likewise.
     """
 
     def __init__(self) -> None:
         self.health = SensorHealth()
         self._memory, self._told = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(self._told)
+        self.state = STATE.parts(self._known.main.state)
         self._step = NativeFunction(_step(), [self._memory, self._told])
         self.found = FOUND.parts(self._step.results[1])
         self.reset()
@@ -144,11 +146,6 @@ class AirEstimate:
         wind_filter.METERS.begin(self._known.meters)
         self.found.without[:] = self.found.known[:] = 0.0
         self._time: float | None = None
-
-    @property
-    def state(self) -> SimpleNamespace:
-        """State of the filter that is flown by, by :data:`STATE`."""
-        return STATE.parts(self._known.main.state)
 
     @property
     def position_noise(self) -> float:

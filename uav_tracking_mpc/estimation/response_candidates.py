@@ -22,8 +22,13 @@ filter's solution is closed: every dead time is met exactly, also between two sa
 
 from __future__ import annotations
 
+import functools
+
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+
+from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0])  # s
 DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 1.55, 0.1)])  # s
@@ -45,6 +50,7 @@ class ResponseCandidates:
         size = 2 * CAPACITY
         self._times, self._inputs = np.zeros(size), np.zeros((size, 3))
         self._rates, self._gained = np.zeros((size, 3, len(LAGS))), np.zeros((size, len(LAGS)))
+        self._responses = NativeFunction(_responses())
         self.reset(0.0, np.zeros(3))
 
     def reset(self, time: float, inputs: NDArray[np.float64]) -> None:
@@ -88,15 +94,13 @@ class ResponseCandidates:
         times = time - DEAD_TIMES
         known = self._times[: self._newest + 1]
         piece = np.maximum(known.searchsorted(times, side="right") - 1, 0)
-        elapsed = np.maximum(times - self._times[piece], 0.0)[:, np.newaxis]
-        held = self._inputs[piece].T[:, :, np.newaxis]
-        lacking = self._rates[piece].swapaxes(0, 1) - held
-        left = lacking * np.exp(elapsed * -_RATES)
-        response = left + held
-        # The integral of what is lacking is tau times the part that has decayed.
-        decayed = (lacking - left)[ACCELERATION] / _RATES
-        response[ACCELERATION] = self._gained[piece] + (decayed + held[ACCELERATION] * elapsed)
-        return response
+        begun, held, since, left, gained = self._responses.arguments
+        since[:] = np.maximum(times - self._times[piece], 0.0)
+        begun[:], held[:] = self._rates[piece].reshape(-1), self._inputs[piece].reshape(-1)
+        gained[:] = self._gained[piece].reshape(-1)
+        left[:] = np.exp(since[:, np.newaxis] * -_RATES).reshape(-1)
+        self._responses.evaluate()
+        return self._responses.results[0].reshape(3, len(DEAD_TIMES), len(LAGS)).copy()
 
     def _follow_plan(self, time: float) -> None:
         """The present plan's segments up to a time, which is past the last change."""
@@ -127,3 +131,28 @@ class ResponseCandidates:
             if full:
                 values[:CAPACITY] = values[CAPACITY:]
             values[self._newest] = newest
+
+
+@functools.cache
+def _responses() -> ca.Function:
+    """Responses at a time, from the beginnings of the pieces of commands that are flown at it.
+
+    Of the rates at these beginnings, shape (dead times, 3, lags), the commands held since, shape
+    (dead times, 3), for how long that is [s], by which share each lag lets what lacks remain, shape
+    (dead times, lags), and the airspeed gained until then, of the same shape.
+    """
+    which, lag = (index.reshape(-1) for index in np.indices((len(DEAD_TIMES), len(LAGS))))
+    begun, held = ca.SX.sym("begun", 3 * which.size), ca.SX.sym("held", 3 * len(DEAD_TIMES))
+    since, left = ca.SX.sym("since", len(DEAD_TIMES)), ca.SX.sym("left", which.size)
+    gained = ca.SX.sym("gained", which.size)
+    commands = [held[(3 * which + channel).tolist()] for channel in range(3)]
+    lacking = [
+        begun[((3 * which + channel) * len(LAGS) + lag).tolist()] - command
+        for channel, command in enumerate(commands)
+    ]
+    rows = [each * left + command for each, command in zip(lacking, commands, strict=True)]
+    # The integral of what is lacking is tau times the part that has decayed.
+    lacks, command = lacking[ACCELERATION], commands[ACCELERATION]
+    decayed = (lacks - lacks * left) / ca.DM(_RATES[lag])
+    rows[ACCELERATION] = gained + (decayed + command * since[which.tolist()])
+    return ca.Function("responses", [begun, held, since, left, gained], [ca.vertcat(*rows)])

@@ -32,14 +32,18 @@ frequencies.
 
 from __future__ import annotations
 
+import functools
 import math
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
 from uav_tracking_mpc.estimation.response_candidates import DEAD_TIMES, LAGS, ResponseCandidates
+from uav_tracking_mpc.symbolic.layout import Layout
+from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 MEMORY = 60.0  # s, T_m
 WASHOUT = 10.0  # s, time constant of the high pass: shorter than an orbit, longer than any lag
@@ -58,6 +62,10 @@ ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
 EVERY = np.arange(3)  # channels
 REFINED_EVERY = 8  # measurements between refinements, one channel each
+GRID = len(DEAD_TIMES) * len(LAGS)  # candidates of each channel
+# Of each: what the high pass lets through; sums of x x, of x y, and of x with that of the next dead
+# time.
+SUMS = Layout(passed=3 * GRID, power=3 * GRID, product=3 * GRID, following=3 * (GRID - len(LAGS)))
 
 
 class ResponseEstimator:
@@ -74,15 +82,17 @@ class ResponseEstimator:
     def __init__(self, commanded: int = 3) -> None:
         self._followed = commanded > EVERY
         self._candidates = ResponseCandidates()
+        self._memory, self._before = np.zeros(SUMS.size), np.zeros(3 * GRID)
+        sums = vars(SUMS.parts(self._memory)).values()
+        self._passed, self._power, self._product, self._next = (
+            part.reshape(3, -1) for part in sums
+        )
+        self._added = NativeFunction(_added(), [self._memory, self._before])
         self.reset()
 
     def reset(self) -> None:
         """Forget all: another aircraft."""
-        shape = 3, len(DEAD_TIMES) * len(LAGS)
-        self._before, self._passed = np.zeros(shape), np.zeros(shape)
-        # Of x x, of x y, and of x with that of the next dead time.
-        self._power, self._product = np.zeros(shape), np.zeros(shape)
-        self._next = np.zeros((3, shape[1] - len(LAGS)))
+        self._memory[:] = self._before[:] = 0.0
         # Of 1, y y, the products of successive residuals, and their lags.
         self._sums = np.zeros((4, 3))
         self._residual, self._measured_passed = np.zeros(3), np.zeros(3)
@@ -164,19 +174,16 @@ class ResponseEstimator:
         self, time: float, elapsed: float, measured: NDArray[np.float64], usable: NDArray[np.bool_]
     ) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""
-        responses = self._candidates.at(time).reshape(self._passed.shape)
         weights = usable & self._used
-        column = weights[:, np.newaxis]
         kept, forgotten = math.exp(-elapsed / WASHOUT), math.exp(-elapsed / MEMORY)
-        passed = kept * (self._passed + column * (responses - self._before))
         y = kept * (self._measured_passed + weights * (measured - self._measured))
-        self._before, self._passed = responses, passed
         self._measured, self._measured_passed, self._used = measured, y, usable
-
-        successive = passed[:, : -len(LAGS)] * passed[:, len(LAGS) :]
-        self._power = forgotten * self._power + column * passed**2
-        self._next = forgotten * self._next + column * successive
-        self._product = forgotten * self._product + passed * (column * y[:, np.newaxis])
+        _, _, responses, told = self._added.arguments
+        responses[:] = self._candidates.at(time).reshape(-1)
+        told[:] = *weights, *y, kept, forgotten
+        self._added.evaluate()
+        self._memory[:], self._before[:] = self._added.results[0], responses
+        passed = self._passed
         residual = weights * (y - self._gains * passed[EVERY, self._nearest])
         sums = weights, weights * y**2, residual * self._residual, residual**2
         self._sums = forgotten * self._sums + sums
@@ -227,6 +234,32 @@ class ResponseEstimator:
             delay_deviation=math.hypot(sway, math.sqrt(of_dead_time), delay_rounding),
             gain_deviation=math.hypot(gain_sway, math.sqrt(of_gain), gain_rounding),
         )
+
+
+@functools.cache
+def _added() -> ca.Function:
+    """Sums after a sample: of those before, the responses before and now, and numbers.
+
+    The numbers are the weight of the sample and y after the high pass, of each channel, and the
+    shares that the high pass keeps and that is not forgotten.
+    """
+    memory, known = SUMS.symbol("memory")
+    before, responses = ca.SX.sym("before", 3 * GRID), ca.SX.sym("responses", 3 * GRID)
+    told = ca.SX.sym("told", 8)
+    kept, forgotten = told[6], told[7]
+    every = np.repeat(EVERY, GRID).tolist()
+    weights, y = told[every], told[[3 + axis for axis in every]]
+    passed = kept * (known.passed + weights * (responses - before))
+    axes = [passed[axis * GRID : (axis + 1) * GRID] for axis in EVERY.tolist()]
+    successive = ca.vertcat(*[each[: -len(LAGS)] * each[len(LAGS) :] for each in axes])
+    of_next = told[np.repeat(EVERY, GRID - len(LAGS)).tolist()]
+    after = ca.vertcat(
+        passed,
+        forgotten * known.power + weights * passed**2,
+        forgotten * known.product + passed * (weights * y),
+        forgotten * known.following + of_next * successive,
+    )
+    return ca.Function("response_sums", [memory, before, responses, told], [after])
 
 
 def _between(

@@ -161,7 +161,7 @@ class StateGate:
         before, self.newest, self._outlier, self._agreeing = self.newest, measurement, None, 0
         if before is not None and not _repeats(before, measurement):
             self._moved = measurement.stamp
-        if before is not None and np.array_equal(before.position, measurement.position):
+        if before is not None and _same(before.position, measurement.position):
             self._stood += (measurement.stamp - before.stamp) * measurement.ground_velocity
         else:
             self._stood[:] = 0.0
@@ -185,7 +185,7 @@ def _change(
     A position that repeats or is not known is no jump, nor is the first one after it.
     """
     step = after.stamp - before.stamp
-    if np.array_equal(before.position, after.position) or not (before.placed and after.placed):
+    if _same(before.position, after.position) or not (before.placed and after.placed):
         return step, 0.0
     x, y, z = (after.position - before.position - flown).tolist()
     return step, math.sqrt(x * x + y * y + z * z)
@@ -193,13 +193,18 @@ def _change(
 
 def _repeats(before: Measurement, after: Measurement) -> bool:
     """Whether nothing has changed but the stamp, though the aircraft moves: nobody measures."""
-    vectors = "position", "ground_velocity"
     return (
         before.heading == after.heading
         and before.path_angle == after.path_angle
-        and all(np.array_equal(getattr(before, name), getattr(after, name)) for name in vectors)
-        and bool(after.ground_velocity.any())
+        and _same(before.position, after.position)
+        and _same(before.ground_velocity, after.ground_velocity)
+        and any(after.ground_velocity.tolist())
     )
+
+
+def _same(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Whether two vectors are equal; of so few numbers lists tell it sooner than arrays."""
+    return bool(one.tolist() == other.tolist())
 
 
 def _explained(measurement: Measurement, step: float) -> float:
