@@ -15,6 +15,7 @@
 """Machine code computes what CasADi computes, is kept, and is never missed."""
 
 import math
+import tempfile
 import threading
 
 import casadi as ca
@@ -46,8 +47,10 @@ def bits(array):
 
 @pytest.fixture
 def empty(tmp_path, monkeypatch):
-    """A cache of its own, and a function that no other test has compiled."""
+    """A cache of its own, also where it cannot be used, which nothing has been compiled to."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    (tmp_path / "temp").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temp"))
     machine_code.cache_clear()
     yield tmp_path / "uav_tracking_mpc"
     machine_code.cache_clear()
