@@ -144,7 +144,7 @@ def linked(objects: Iterable[bytes], entry: str, prototype: Callable[[int], Any]
     Args:
         objects: Contents of the files.
         entry: Its name.
-        prototype: Of :mod:`ctypes`.
+        prototype: Of ``ctypes``.
     """
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _machine())
     for content in objects:
