@@ -128,17 +128,22 @@ def test_it_is_kept_and_made_again_where_the_file_is_not_whole(empty, damage):
     assert again.run is not None
 
 
-def test_where_it_cannot_be_made_casadi_goes_on(empty, monkeypatch, caplog):
+@pytest.mark.parametrize(
+    ("step", "words"), [("_machine", "not made, CasADi goes on"), ("write", "not kept")]
+)
+def test_where_it_cannot_be_made_or_kept_the_function_is_evaluated(
+    empty, step, words, monkeypatch, caplog
+):
     def refuse(*_):
         raise OSError("the disk is full")
 
-    monkeypatch.setattr(native_code, "write", refuse)
-    native = NativeFunction(ca.Function("unwritten", [X], [X - 1.0]))
+    monkeypatch.setattr(native_code, step, refuse)
+    native = NativeFunction(ca.Function(f"without{step}", [X], [X - 1.0]))
     native._code.thread.join()
     native.arguments[0][:] = 5.0
     native.evaluate()
     assert native.results[0] == 4.0
-    assert "stays without machine code: the disk is full" in caplog.text
+    assert f"is {words}: the disk is full" in caplog.text
 
 
 def test_an_operation_without_a_translation_is_refused(empty):

@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
 from uav_tracking_mpc.estimation.response_candidates import DEAD_TIMES, LAGS, ResponseCandidates
+from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.symbolic.layout import Layout
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
@@ -79,6 +80,7 @@ class ResponseEstimator:
         channels: Estimates of turn rate, path-angle rate and acceleration.
     """
 
+    @one_at_a_time
     def __init__(self, commanded: int = 3) -> None:
         self._followed = commanded > EVERY
         self._candidates = ResponseCandidates()

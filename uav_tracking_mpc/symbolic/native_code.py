@@ -115,10 +115,11 @@ class MachineCode:
     def _make(self, program: str, name: str) -> None:
         try:
             content = _machine().emit_object(binding.parse_assembly(program))
-            write(cache_directory() / name, hashlib.sha256(content).digest() + content)
             self._link(content)
-        except Exception as error:  # whatever LLVM or the file system says: CasADi goes on
-            logger.warning("%s stays without machine code: %s", name, error)
+            write(cache_directory() / name, hashlib.sha256(content).digest() + content)
+        except Exception as error:  # whatever LLVM or the file system says
+            what = "made, CasADi goes on" if self.run is None else "kept"
+            logger.warning("machine code of %s is not %s: %s", name, what, error)
 
     def _link(self, content: bytes) -> None:
         # It holds the interpreter's lock: to get it again could take longer than the function.
