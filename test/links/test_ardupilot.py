@@ -35,6 +35,7 @@ from uav_tracking_mpc.links.ardupilot import (
     ArduPlaneEnvelope,
 )
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.telemetry import Telemetry
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.link import LinkParameters
 
@@ -61,6 +62,17 @@ def test_the_bank_alone_is_commanded(engaged):
     assert all(target.mask == ROLL_ALONE for _, target in engaged.sent)
     times = np.array([time for time, _ in engaged.sent])
     assert np.diff(times).max() <= 0.06
+
+
+@pytest.mark.parametrize("told", [0.0, 5.0, 80.0])
+def test_an_impossible_airspeed_tells_no_bank(engaged, told, monkeypatch):
+    """One that was stuck at 5 m/s had the aircraft bank by 9 deg for 35, and fly away by 1 km."""
+    monkeypatch.setattr(Telemetry, "airspeed", told)
+    engaged.fly(5.0)
+    bank = math.degrees(engaged.sent[-1][1].roll)
+    assert bank == pytest.approx(-math.degrees(math.atan(ORBIT.airspeed * 0.08 / 9.80665)), abs=0.5)
+    newest = engaged.link.heard.telemetry.newest
+    assert newest.airspeed == (told or None)  # the controller finds it out by itself
 
 
 def test_a_ground_station_that_sends_it_elsewhere_is_not_overridden(engaged):

@@ -308,11 +308,12 @@ class ArduPilotLink(MavlinkLink):
 
     def fly(self, inputs: NDArray[np.float64], measured: Measurement, now: float) -> None:
         """See :meth:`MavlinkLink.fly`."""
-        if measured.airspeed is None:
+        airspeed = self.heard.telemetry.flown_airspeed
+        if airspeed is None:
             return
-        limit = self.envelope().bank_max(measured.airspeed) or 0.0
+        limit = self.envelope().bank_max(airspeed) or 0.0
         turn_rate = float(inputs[0]) - self.heard.telemetry.path.surplus
-        bank = max(-limit, min(limit, bank_from_turn_rate(turn_rate, measured.airspeed)))
+        bank = max(-limit, min(limit, bank_from_turn_rate(turn_rate, airspeed)))
         self.heard.connection.send(
             mavlink.MAVLink_set_attitude_target_message(
                 self.heard.connection.boot_time, self.heard.system, 1,

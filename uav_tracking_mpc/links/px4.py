@@ -338,9 +338,10 @@ class Px4Link(MavlinkLink):
         self._inert_since = None
         telemetry = self.heard.telemetry
         attitude, measured = telemetry.attitude, telemetry.newest
+        airspeed = telemetry.flown_airspeed
         self._law = EnergyLaw(self.envelope().energy_limits())
-        if attitude is not None and measured is not None and measured.airspeed is not None:
-            flown = self._flown(attitude, measured, measured.airspeed, now)
+        if attitude is not None and measured is not None and airspeed is not None:
+            flown = self._flown(attitude, measured, airspeed, now)
             self._law.begin(flown, attitude.pitch, telemetry.throttle)
             self._bank, self._banked_at = attitude.roll, now
 
@@ -358,7 +359,8 @@ class Px4Link(MavlinkLink):
 
     def fly(self, inputs: NDArray[np.float64], measured: Measurement, now: float) -> None:
         """See :meth:`MavlinkLink.fly`."""
-        attitude, airspeed = self.heard.telemetry.attitude, measured.airspeed
+        telemetry = self.heard.telemetry
+        attitude, airspeed = telemetry.attitude, telemetry.flown_airspeed
         if attitude is None or airspeed is None or now - measured.stamp > STALE:
             return  # without these nothing is flown blindly: PX4 does as when we are silent
         if self._law is None:
@@ -367,7 +369,7 @@ class Px4Link(MavlinkLink):
         turn_rate, path_rate, gain = np.asarray(inputs, dtype=float).tolist()
         envelope = self.envelope()
         limit, reach = envelope.bank_max(airspeed) or 0.0, envelope.roll_slew
-        coordinated = turn_rate - self.heard.telemetry.path.surplus
+        coordinated = turn_rate - telemetry.path.surplus
         wanted = _clip(bank_from_turn_rate(coordinated, airspeed), limit)
         change = _clip(wanted - self._bank, reach * (now - self._banked_at))
         self._bank, self._banked_at = _clip(self._bank + change, limit), now
@@ -386,7 +388,7 @@ class Px4Link(MavlinkLink):
         self._sent_at = now
         envelope = self.envelope()
         limits = envelope.energy_limits()
-        limit = envelope.bank_max(measured.airspeed or 0.0) or 0.0
+        limit = envelope.bank_max(telemetry.flown_airspeed or 0.0) or 0.0
         pitch = attitude.pitch - measured.path_angle
         thrust = limits.trim if telemetry.throttle is None else telemetry.throttle
         self._send(

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
+from uav_tracking_mpc.estimation.air_data import POSSIBLE
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import Inspection, LinkError, Sighting, VehicleLink
 from uav_tracking_mpc.links.mavlink.connection import Connection
@@ -324,10 +325,18 @@ class MavlinkLink(VehicleLink):
                 return str(error)
             if orbit is not None:
                 self.orbit = orbit
+                self._expect(orbit.airspeed)
             if self.engagement.commanding and self._heard is not None:
                 self._fly(now)
                 self._latency.answered(stamp, self.now())
         return ""
+
+    def _expect(self, airspeed: float) -> None:
+        """Fly by an airspeed in [m/s] where an impossible one is told."""
+        if self._heard is not None:
+            values, (low, high) = self.envelope().values(airspeed), POSSIBLE
+            least, most = values.get("airspeed_min", 0.0), values.get("airspeed_max", math.inf)
+            self._heard.telemetry.possible = low * least, high * most, airspeed
 
     @property
     def engaged(self) -> bool:

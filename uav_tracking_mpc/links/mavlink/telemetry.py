@@ -258,6 +258,8 @@ class Telemetry:
         altitude: Above sea level in [m]; None until it is known.
         airspeed: True airspeed in [m/s]; that of ground velocity and wind while the autopilot does
             not use its sensor, whose values it goes on to tell; None where it is unknown or old.
+        possible: Least and greatest airspeed at which it may fly, and the one that it is to fly at,
+            in [m/s]; None where they are not known.
         wind: Velocity of the air in ``map`` by the autopilot, shape (3,), in [m/s]; None where it
             tells nothing.
         throttle: From 0 to 1 [-]; None until it is known.
@@ -281,6 +283,7 @@ class Telemetry:
         self.newest: Measurement | None = None
         self.distance = 0.0
         self.path = FlightPath()
+        self.possible: tuple[float, float, float] | None = None
         self._accuracies = Accuracies()
         self.throttle: float | None = None
         self._calibrated: float | None = None
@@ -297,6 +300,19 @@ class Telemetry:
         if self._calibrated is None or self.altitude is None:
             return None
         return self._calibrated * true_over_equivalent(self.altitude)
+
+    @property
+    def flown_airspeed(self) -> float | None:
+        """Airspeed from which a bank is found, in [m/s]; None where it is unknown.
+
+        Where the one that is told is impossible, it is the one that is to be flown: at 5 m/s a bank
+        hardly turns an aircraft that flies at 22.
+        """
+        airspeed = self.airspeed
+        if airspeed is not None and self.possible is not None:
+            least, most, instead = self.possible
+            airspeed = airspeed if least <= airspeed <= most else instead
+        return None if airspeed is None or airspeed < LEAST_AIRSPEED else airspeed
 
     def see(self, message: Any, arrival: float) -> Measurement | None:
         """Take in a message.
@@ -391,7 +407,7 @@ class Telemetry:
             noise=self._accuracies.noise(arrival),
             bank=attitude.roll,
         )
-        self.path.of(self.newest, airspeed or 0.0)
+        self.path.of(self.newest, self.flown_airspeed or 0.0)
         return self.newest
 
 
