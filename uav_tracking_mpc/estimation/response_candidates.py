@@ -137,9 +137,10 @@ class ResponseCandidates:
 def _responses() -> ca.Function:
     """Responses at a time, from the beginnings of the pieces of commands that are flown at it.
 
-    Of the rates at these beginnings, shape (dead times, 3, lags), the commands held since, shape
-    (dead times, 3), for how long that is [s], by which share each lag lets what lacks remain, shape
-    (dead times, lags), and the airspeed gained until then, of the same shape.
+    Of the rates at these beginnings, shape (dead times, 3, lags), and the commands held since,
+    shape (dead times, 3), both in [rad/s, rad/s, m/s^2]; for how long that is [s]; which share of
+    what lacks each lag leaves [-], shape (dead times, lags); and the airspeed gained until then, of
+    the same shape, in [m/s].
     """
     which, lag = (index.reshape(-1) for index in np.indices((len(DEAD_TIMES), len(LAGS))))
     begun, held = ca.SX.sym("begun", 3 * which.size), ca.SX.sym("held", 3 * len(DEAD_TIMES))

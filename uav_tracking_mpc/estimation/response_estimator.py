@@ -242,8 +242,9 @@ class ResponseEstimator:
 def _added() -> ca.Function:
     """Sums after a sample: of those before, the responses before and now, and numbers.
 
-    The numbers are the weight of the sample and y after the high pass, of each channel, and the
-    shares that the high pass keeps and that is not forgotten.
+    Responses are in [rad/s, rad/s, m/s]. The numbers are the weight of the sample [-] and y after
+    the high pass, in the same units, of each channel; and which share the high pass keeps and which
+    is not forgotten [-].
     """
     memory, known = SUMS.symbol("memory")
     before, responses = ca.SX.sym("before", 3 * GRID), ca.SX.sym("responses", 3 * GRID)

@@ -11,6 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """Where machine code is kept: XDG cache, or a directory of this user's under temp."""
 
 from __future__ import annotations

@@ -214,9 +214,7 @@ def assembly(function: ca.Function) -> str:
         lambda input_, element: builder.load(place(input_, element)),
         constant,
         functools.partial(_applied, builder),
-        lambda number, element, value: builder.store(
-            value, place(function.n_in() + number, element)
-        ),
+        store,
     )
     builder.ret_void()
     return str(module)
