@@ -30,7 +30,14 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     set_stamp,
 )
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    CLOCK,
+    COMMAND,
+    ODOMETRY,
+    TARGET,
+    TRACKING_ERRORS,
+)
 
 SECOND = 1_000_000_000  # ns
 
@@ -74,6 +81,13 @@ def filled_orbit(stamp, orbit):
     """The orbit that a command leads to."""
     message = orbit_message()
     set_orbit(message, stamp, orbit)
+    return message
+
+
+def filled_tracking(stamp, **figures):
+    """Some of what the controller tracks by."""
+    message = TRACKING_ERRORS.type(name=list(figures), position=list(figures.values()))
+    set_stamp(message.header.stamp, stamp)
     return message
 
 

@@ -66,7 +66,7 @@ class ByController:
         self.controller = Controller(self.configuration.controller, stopwatch=lambda: 0.0)
         self._motion = motion_of(self.configuration.target)
         self._target_at = -math.inf
-        self.rows = []
+        self.rows, self.words = [], []
 
     def answer(self, flown, measured):
         now = flown.link.now()
@@ -76,6 +76,7 @@ class ByController:
                 self.controller.see_target(now, self._motion.position(now))
         self.controller.engage(flown.link.engaged)
         command = self.controller.step(measured, now)
+        self.words += [event.words for event in self.controller.events.take()]
         if command is not None:
             flown.link.command(command.stamp, command.inputs, command.step, command.flown_orbit)
         state, orbit = flown.autopilot.core.state, self.controller.orbit

@@ -346,6 +346,7 @@ def test_a_command_says_which_orbit_is_flown_about_the_moving_target(constant):
         assert flown.centre[2] == pytest.approx(height)
         np.testing.assert_allclose(flown.velocity, velocity, atol=0.3)  # the track follows
         assert flown.airspeed == FLIGHT.airspeed
+        assert flown.airspeed_now == command.present.airspeed
         clockwise = constant.orbit.direction == CLOCKWISE
         assert flown.radius == pytest.approx((-1.0 if clockwise else 1.0) * FLIGHT.orbit.radius)
 

@@ -64,15 +64,26 @@ def test_the_bank_alone_is_commanded(engaged):
     assert np.diff(times).max() <= 0.06
 
 
-@pytest.mark.parametrize("told", [0.0, 5.0, 80.0])
-def test_an_impossible_airspeed_tells_no_bank(engaged, told, monkeypatch):
-    """One that was stuck at 5 m/s had the aircraft bank by 9 deg for 35, and fly away by 1 km."""
+@pytest.mark.parametrize("told", [0.0, 5.0, 15.0, 80.0])
+def test_the_bank_is_that_of_the_airspeed_that_the_controller_estimates(engaged, told, monkeypatch):
+    """A sensor that was stuck at 5 m/s had it bank by 9 deg for 35, and fly away by 1 km."""
     monkeypatch.setattr(Telemetry, "airspeed", told)
-    engaged.fly(5.0)
+    engaged.fly(5.0, Planner(ORBIT._replace(airspeed_now=20.0)))
     bank = math.degrees(engaged.sent[-1][1].roll)
-    assert bank == pytest.approx(-math.degrees(math.atan(ORBIT.airspeed * 0.08 / 9.80665)), abs=0.5)
+    assert bank == pytest.approx(-math.degrees(math.atan(20.0 * 0.08 / 9.80665)), abs=0.5)
     newest = engaged.link.heard.telemetry.newest
     assert newest.airspeed == (told or None)  # the controller finds it out by itself
+
+
+def test_an_estimate_that_does_not_come_any_more_is_forgotten(engaged):
+    engaged.fly(2.0, Planner(ORBIT._replace(airspeed_now=30.0)))
+    telemetry = engaged.link.heard.telemetry
+    assert telemetry.flown_airspeed == 30.0
+    engaged.fly(0.5, Planner())  # of a controller that tells none
+    assert telemetry.flown_airspeed == telemetry.airspeed
+    engaged.fly(0.5, Planner(ORBIT._replace(airspeed_now=30.0)))
+    engaged.fly(2.0, Nobody())
+    assert telemetry.flown_airspeed == telemetry.airspeed
 
 
 def test_a_ground_station_that_sends_it_elsewhere_is_not_overridden(engaged):

@@ -14,6 +14,7 @@
 
 """The node in the simulator's place, on a plant behind a link."""
 
+import math
 import time
 from collections import defaultdict
 from types import SimpleNamespace
@@ -21,7 +22,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from filled_messages import filled_command, filled_orbit
+from filled_messages import filled_command, filled_orbit, filled_tracking
 from node_harness import tapped
 from paced_link import LINK
 from processes import refused_start, wait_for
@@ -110,6 +111,24 @@ def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(made):
     made._on_command(command(stamp + 10_000_000_000))
     assert link.orbits[-1] is None  # that orbit is too old
     assert made._values()["commands received"] == 2
+
+
+def test_the_airspeed_that_the_controller_estimates_reaches_the_link_with_the_orbit(made):
+    stamp = nanoseconds(made.sent[ODOMETRY.name][-1][1].header.stamp)
+    made._on_orbit(filled_orbit(stamp, ORBIT))
+    made._on_command(command(stamp))
+    assert made._link.orbits[-1].airspeed_now == 0.0  # of a controller that tells none
+    made._on_tracking(filled_tracking(stamp, airspeed=19.5))
+    made._on_command(command(stamp))
+    assert made._link.orbits[-1].airspeed_now == 19.5
+    made._on_tracking(filled_tracking(stamp, airspeed=math.nan))
+    made._on_command(command(stamp))
+    assert made._link.orbits[-1].airspeed_now == 0.0
+    made._on_tracking(filled_tracking(stamp - 3_000_000_000, airspeed=19.5))
+    made._on_command(command(stamp))
+    assert made._link.orbits[-1].airspeed_now == 0.0  # it is too old
+    made._on_tracking(type(filled_tracking(stamp))(name=["airspeed"]))
+    assert made._values()["plans refused"] == 1
 
 
 def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(made):

@@ -227,12 +227,14 @@ class FlownOrbit(NamedTuple):
         velocity: Of the centre in ``map``, shape (3,), in [m/s].
         radius: Horizontal, in [m]: positive counter-clockwise, negative clockwise, seen from above.
         airspeed: To hold in [m/s].
+        airspeed_now: That is flown at present, as it is estimated, in [m/s]; 0 where nobody tells.
     """
 
     centre: NDArray[np.float64]
     velocity: NDArray[np.float64]
     radius: float
     airspeed: float
+    airspeed_now: float = 0.0
 
 
 def orbit_about(

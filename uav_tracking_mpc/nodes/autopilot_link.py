@@ -31,12 +31,19 @@ from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import VEHICLE_LINK, LinkError, LinkRefusedError, Sighting, VehicleLink
 from uav_tracking_mpc.links.simulated import SimulatedLink
-from uav_tracking_mpc.nodes.messages.conversions import set_point, set_truth
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, set_point, set_truth
+from uav_tracking_mpc.nodes.messages.named_figures import tracking_figures
 from uav_tracking_mpc.nodes.messages.wires import even_command
 from uav_tracking_mpc.nodes.ros import diagnostics
-from uav_tracking_mpc.nodes.ros.endpoints import publish, steady_timer
+from uav_tracking_mpc.nodes.ros.endpoints import listen, publish, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
-from uav_tracking_mpc.nodes.topics import ENGAGED, TARGET, TARGET_ODOMETRY, MessageError
+from uav_tracking_mpc.nodes.topics import (
+    ENGAGED,
+    TARGET,
+    TARGET_ODOMETRY,
+    TRACKING_ERRORS,
+    MessageError,
+)
 from uav_tracking_mpc.nodes.vehicle_node import VehicleNode
 from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -192,6 +199,7 @@ class AutopilotLink(VehicleNode):
         self._engaged, self._told = False, -math.inf
         self._ready = False  # whether the link has something to fly
         self._orbit: tuple[FlownOrbit, int] | None = None
+        self._airspeed = 0.0, 0  # that the controller estimates [m/s], and its stamp [ns]
         self._states, self._state_time, self._refusal = 0, -math.inf, ""
         if self.parameters.target_system:
             self._point, self._track = TARGET.type(), TARGET_ODOMETRY.type()
@@ -199,6 +207,7 @@ class AutopilotLink(VehicleNode):
         self._engaged_publisher = publish(self, ENGAGED)
         self._reader = LinkReader(self._link, self._on_measured)
         self._open(self.parameters.telemetry_rate)
+        listen(self, TRACKING_ERRORS, self._on_tracking)
         self.create_service(SetBool, "~/engage", self._on_engage)
         steady_timer(self, LOOK_PERIOD, self._look)
         self._reader.start()
@@ -252,15 +261,26 @@ class AutopilotLink(VehicleNode):
     def _see_orbit(self, orbit: FlownOrbit, stamp: int) -> None:
         self._orbit = orbit, stamp
 
+    def _on_tracking(self, message: Any) -> None:
+        try:
+            airspeed = tracking_figures(message).get("airspeed", 0.0)
+        except MessageError as error:
+            self._refuse("airspeed", str(error))
+        else:
+            self._airspeed = airspeed, nanoseconds(message.header.stamp)
+
     def _orbit_at(self, stamp: int) -> FlownOrbit | None:
-        """The newest orbit, its centre carried on to a ROS time; None without a new one."""
+        """The newest orbit, carried on to a ROS time, with the airspeed; None without a new one."""
         if self._orbit is None:
             return None
         orbit, at = self._orbit
         age = (stamp - at) * 1e-9
         if abs(age) > ORBIT_AGE:
             return None
-        return orbit._replace(centre=orbit.centre + age * orbit.velocity)
+        airspeed, at = self._airspeed
+        airspeed *= abs(stamp - at) * 1e-9 <= ORBIT_AGE
+        centre = orbit.centre + age * orbit.velocity
+        return orbit._replace(centre=centre, airspeed_now=airspeed)
 
     def _on_engage(self, request: Any, response: Any) -> Any:
         self._wanted = False

@@ -255,8 +255,8 @@ TRACKING_ERRORS = Topic(
     "pitch_error, speed_error as in `uav/tracking/...`; bank (of a coordinated turn, right wing "
     "down [rad]); target_east, target_north, target_up (as estimated, in `map`); target_std (of "
     "each [m]); wind_east, wind_north, wind_up (as estimated, with gust); mode (0 optimal plan, 1 "
-    "guidance law, 2 feasible plan, 3 earlier plan, 4 loiter law, 5 wings level). Values in "
-    "`position`.",
+    "guidance law, 2 feasible plan, 3 earlier plan, 4 loiter law, 5 wings level); airspeed (as "
+    "estimated: autopilot_link finds the bank from it). Values in `position`.",
 )
 # As tf2 offers them; for viewers, and only where ROS has tf2_msgs.
 TRANSFORMS, STATIC_TRANSFORMS = (

@@ -80,6 +80,27 @@ def test_it_circles_in_wind_and_turbulence(dialect, scenario, config, shaken, se
     assert flown.link.values()["commands refused"] == 0
 
 
+@BOTH
+def test_an_airspeed_that_is_stuck_where_it_could_be_does_not_lead_off_the_orbit(dialect):
+    """While the bank was found from it: 0.7 and 1 m, and PX4's aircraft swung up and down."""
+    flown = flight(dialect)
+    controller = ByController(flown)
+    assert flown.engage(controller) == ""
+    flown.fly(35.0, controller)
+    send, failed = flown.autopilot.radio.send, flown.time
+
+    def stuck(message):
+        if message.get_type() == "VFR_HUD":
+            message.airspeed = 15.0
+        send(message)
+
+    flown.autopilot.radio.send = stuck
+    flown.fly(25.0, controller)
+    errors = np.array([row[1:3] for row in controller.rows if row[0] > failed])
+    assert np.abs(errors).max() < 0.3
+    assert any("airspeed has jumped" in words for words in controller.words)
+
+
 @pytest.mark.parametrize(
     ("dialect", "mode"),
     [("ardupilot", "FBWA"), ("ardupilot", "RTL"), ("px4", "POSCTL"), ("px4", "LOITER")],

@@ -123,6 +123,11 @@ def test_estimates_of_target_and_wind_have_their_names():
     assert told["target_std"] == 0.7
 
 
+def test_the_airspeed_is_that_of_the_situation():
+    now = small_uav.situation(300.0, 0.0, 120.0, 1.6, 0.05, 19.5)
+    assert values(now)["airspeed"] == now.airspeed == 19.5
+
+
 @pytest.mark.parametrize("mode", FallbackMode)
 def test_the_mode_comes_back_from_its_number(mode):
     assert told_mode(tracking_figures(heard(small_uav.situation(), mode))["mode"]) is mode

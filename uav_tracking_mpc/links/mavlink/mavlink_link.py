@@ -29,7 +29,6 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
-from uav_tracking_mpc.estimation.air_data import POSSIBLE
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import Inspection, LinkError, Sighting, VehicleLink
 from uav_tracking_mpc.links.mavlink.connection import Connection
@@ -312,10 +311,9 @@ class MavlinkLink(VehicleLink):
         """See :meth:`VehicleLink.command`."""
         if orbit is not None:
             numbers = np.hstack(orbit)  # of its own: the caller's arrays may change
-            if numbers.shape != (8,) or not np.isfinite(numbers).all():
+            if numbers.shape != (9,) or not np.isfinite(numbers).all():
                 return f"the orbit is {orbit}, must be finite, with points of shape (3,)"
-            radius, airspeed = numbers[6:].tolist()
-            orbit = FlownOrbit(numbers[:3], numbers[3:6], radius, airspeed)
+            orbit = FlownOrbit(numbers[:3], numbers[3:6], *numbers[6:].tolist())
         now = self.now()
         with self._lock:
             try:
@@ -325,18 +323,12 @@ class MavlinkLink(VehicleLink):
                 return str(error)
             if orbit is not None:
                 self.orbit = orbit
-                self._expect(orbit.airspeed)
+                if self._heard is not None:
+                    self._heard.telemetry.see_estimate(orbit.airspeed_now, now)
             if self.engagement.commanding and self._heard is not None:
                 self._fly(now)
                 self._latency.answered(stamp, self.now())
         return ""
-
-    def _expect(self, airspeed: float) -> None:
-        """Fly by an airspeed in [m/s] where an impossible one is told."""
-        if self._heard is not None:
-            values, (low, high) = self.envelope().values(airspeed), POSSIBLE
-            least, most = values.get("airspeed_min", 0.0), values.get("airspeed_max", math.inf)
-            self._heard.telemetry.possible = low * least, high * most, airspeed
 
     @property
     def engaged(self) -> bool:

@@ -258,8 +258,6 @@ class Telemetry:
         altitude: Above sea level in [m]; None until it is known.
         airspeed: True airspeed in [m/s]; that of ground velocity and wind while the autopilot does
             not use its sensor, whose values it goes on to tell; None where it is unknown or old.
-        possible: Least and greatest airspeed at which it may fly, and the one that it is to fly at,
-            in [m/s]; None where they are not known.
         wind: Velocity of the air in ``map`` by the autopilot, shape (3,), in [m/s]; None where it
             tells nothing.
         throttle: From 0 to 1 [-]; None until it is known.
@@ -283,7 +281,7 @@ class Telemetry:
         self.newest: Measurement | None = None
         self.distance = 0.0
         self.path = FlightPath()
-        self.possible: tuple[float, float, float] | None = None
+        self._estimated, self._estimated_at = 0.0, -math.inf
         self._accuracies = Accuracies()
         self.throttle: float | None = None
         self._calibrated: float | None = None
@@ -303,16 +301,24 @@ class Telemetry:
 
     @property
     def flown_airspeed(self) -> float | None:
-        """Airspeed from which a bank is found, in [m/s]; None where it is unknown.
+        """Airspeed that the aircraft flies at in [m/s]; None where it is unknown.
 
-        Where the one that is told is impossible, it is the one that is to be flown: at 5 m/s a bank
-        hardly turns an aircraft that flies at 22.
+        It is that of the controller, which finds out whether the sensor is wrong: with one that is
+        stuck at 5 m/s a bank hardly turns an aircraft that flies at 22. Without a controller that
+        tells one it is measured.
         """
-        airspeed = self.airspeed
-        if airspeed is not None and self.possible is not None:
-            least, most, instead = self.possible
-            airspeed = airspeed if least <= airspeed <= most else instead
+        told = self._estimated >= LEAST_AIRSPEED
+        airspeed = self._estimated if told else self.airspeed
         return None if airspeed is None or airspeed < LEAST_AIRSPEED else airspeed
+
+    def see_estimate(self, airspeed: float, arrival: float) -> None:
+        """Take in the airspeed that the controller estimates.
+
+        Args:
+            airspeed: In [m/s]; 0 where it tells none.
+            arrival: Our time in [s].
+        """
+        self._estimated, self._estimated_at = airspeed, arrival
 
     def see(self, message: Any, arrival: float) -> Measurement | None:
         """Take in a message.
@@ -374,6 +380,8 @@ class Telemetry:
             self._calibrated = None
         if arrival - self._wind_at > WIND_AGE:
             self.wind = None
+        if arrival - self._estimated_at > AIRSPEED_AGE:
+            self._estimated = 0.0
         self.altitude = message.alt * 1e-3
         attitude, newest = self.attitude, self.newest
         if self.frame is None or attitude is None or self._clock.offset is None:

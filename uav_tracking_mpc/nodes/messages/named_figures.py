@@ -106,7 +106,7 @@ def _checked(field: str, values: object, limits: NDArray[np.float64]) -> NDArray
 ERRORS = ["range_error", "bearing_error", "altitude_error", "pitch_error", "speed_error"]
 TARGET = ["target_east", "target_north", "target_up"]
 WIND = ["wind_east", "wind_north", "wind_up"]
-TRACKED = [*ERRORS, "bank", *TARGET, "target_std", *WIND, "mode"]
+TRACKED = [*ERRORS, "bank", *TARGET, "target_std", *WIND, "mode", "airspeed"]
 MODES = tuple(FallbackMode)  # by the number of "mode"
 
 
@@ -148,6 +148,7 @@ def set_tracking(
         target_std,
         *wind.tolist(),
         float(MODES.index(mode)),
+        situation.airspeed,
     ]
     for index, figure in enumerate(figures):
         message.position[index] = figure
