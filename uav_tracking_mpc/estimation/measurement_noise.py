@@ -35,6 +35,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,11 +113,21 @@ class MeasurementNoise:
 
     def _add(self, square: float) -> None:
         self._squares.append(square)
-        level = np.quantile(self._squares, QUANTILE)
+        level = _quantile(self._squares)
         if len(self._squares) >= 2 * NEWEST:
             newest = list(self._squares)[-NEWEST:]
-            recent = np.quantile(newest, QUANTILE)
+            recent = _quantile(newest)
             if not level <= CHANGED * recent <= CHANGED**2 * level:
                 self._squares, level = deque(newest, maxlen=WINDOW), recent
-        self.scale = min(max(float(level) / CHI_SQUARE, SCALE_MIN), SCALE_MAX)
+        self.scale = min(max(level / CHI_SQUARE, SCALE_MIN), SCALE_MAX)
         self.known = len(self._squares) >= KNOWN
+
+
+def _quantile(values: Iterable[float]) -> float:
+    """As NumPy's, in a tenth of its time for so few values."""
+    ordered = sorted(values)
+    at = QUANTILE * (len(ordered) - 1)
+    below = int(at)
+    low, high = ordered[below], ordered[min(below + 1, len(ordered) - 1)]
+    share = at - below
+    return low + share * (high - low) if share < 0.5 else high - (1.0 - share) * (high - low)

@@ -23,11 +23,13 @@ filter's solution is closed: every dead time is met exactly, also between two sa
 from __future__ import annotations
 
 import functools
+import itertools
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.symbolic.layout import Layout
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0])  # s
@@ -38,19 +40,26 @@ _RATES = 1.0 / np.maximum(LAGS, 1e-4)  # 1/s
 CAPACITY = 512
 
 
+# Of each piece between two changes of the inputs: what is held in it, and at its beginning the rate
+# by each lag, channel by channel, and the airspeed gained.
+PIECE = Layout(held=3, rates=3 * len(LAGS), gained=len(LAGS))
+
+
 class ResponseCandidates:
     """Responses to the commands that were sent, for each lag and dead time.
 
     Attributes:
         end: When the last command that is known ends in [s].
+        responses: As of :meth:`at`, flat.
     """
 
     def __init__(self) -> None:
         # By the times at which the inputs changed; moved to the front when full.
-        size = 2 * CAPACITY
-        self._times, self._inputs = np.zeros(size), np.zeros((size, 3))
-        self._rates, self._gained = np.zeros((size, 3, len(LAGS))), np.zeros((size, len(LAGS)))
-        self._responses = NativeFunction(_responses())
+        self._times, self._pieces = np.zeros(2 * CAPACITY), np.zeros((2 * CAPACITY, PIECE.size))
+        self._evaluated = NativeFunction(_responses())
+        (self.responses,) = self._evaluated.results
+        self._flown, self._since, left = self._evaluated.arguments
+        self._flown, self._left = self._flown.reshape(-1, PIECE.size), left.reshape(-1, len(LAGS))
         self.reset(0.0, np.zeros(3))
 
     def reset(self, time: float, inputs: NDArray[np.float64]) -> None:
@@ -60,9 +69,9 @@ class ResponseCandidates:
             time: When it begins in [s].
             inputs: (u_psi, u_chi, u_v) flown since long ago, shape (3,).
         """
-        self._newest = 0
-        self._times[0], self._inputs[0], self._gained[0] = time, inputs, 0.0
-        self._rates[0] = inputs[:, np.newaxis]
+        self._newest, self._times[0] = 0, time
+        rates = np.repeat(inputs, len(LAGS))
+        PIECE.fill(self._pieces[0], held=inputs, rates=rates, gained=0.0)
         self._plan, self.end = (time, inputs[np.newaxis], 1.0), time
 
     def commanded(
@@ -88,19 +97,17 @@ class ResponseCandidates:
             time: In [s], not long before the last command.
 
         Returns:
-            Shape (3, dead times, lags), in [rad/s], [rad/s], [m/s].
+            Shape (3, dead times, lags), in [rad/s], [rad/s], [m/s]; overwritten by the next call.
         """
         self._follow_plan(time)
         times = time - DEAD_TIMES
         known = self._times[: self._newest + 1]
         piece = np.maximum(known.searchsorted(times, side="right") - 1, 0)
-        begun, held, since, left, gained = self._responses.arguments
-        since[:] = np.maximum(times - self._times[piece], 0.0)
-        begun[:], held[:] = self._rates[piece].reshape(-1), self._inputs[piece].reshape(-1)
-        gained[:] = self._gained[piece].reshape(-1)
-        left[:] = np.exp(since[:, np.newaxis] * -_RATES).reshape(-1)
-        self._responses.evaluate()
-        return self._responses.results[0].reshape(3, len(DEAD_TIMES), len(LAGS)).copy()
+        self._pieces.take(piece, 0, self._flown, "clip")
+        np.maximum(times - self._times[piece], 0.0, out=self._since)
+        np.exp(np.multiply.outer(self._since, -_RATES, out=self._left), out=self._left)
+        self._evaluated.evaluate()
+        return self.responses.reshape(3, len(DEAD_TIMES), len(LAGS))
 
     def _follow_plan(self, time: float) -> None:
         """The present plan's segments up to a time, which is past the last change."""
@@ -112,48 +119,43 @@ class ResponseCandidates:
     def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
         """Other inputs are flown from a time on, not before the last change."""
         now = self._newest
-        held, before = self._inputs[now, :, np.newaxis], self._rates[now]
-        if (held[:, 0] == inputs).all():
+        piece = PIECE.parts(self._pieces[now])
+        if (piece.held == inputs).all():
             return
         elapsed = time - float(self._times[now])
+        held, before = piece.held[:, np.newaxis], piece.rates.reshape(3, -1)
         after = (before - held) * np.exp(-elapsed * _RATES) + held
         lost = (before[ACCELERATION] - after[ACCELERATION]) / _RATES
-        gained = self._gained[now] + held[ACCELERATION] * elapsed + lost
-        changes = (
-            (self._times, time),
-            (self._inputs, inputs),
-            (self._rates, after),
-            (self._gained, gained),
-        )
-        full = now + 1 == len(self._times)
-        self._newest = CAPACITY if full else now + 1
-        for values, newest in changes:
-            if full:
+        gained = piece.gained + held[ACCELERATION] * elapsed + lost
+        if now + 1 == len(self._times):
+            for values in (self._times, self._pieces):
                 values[:CAPACITY] = values[CAPACITY:]
-            values[self._newest] = newest
+            now = CAPACITY - 1
+        self._newest, self._times[now + 1] = now + 1, time
+        PIECE.fill(self._pieces[now + 1], held=inputs, rates=after.reshape(-1), gained=gained)
 
 
 @functools.cache
 def _responses() -> ca.Function:
-    """Responses at a time, from the beginnings of the pieces of commands that are flown at it.
+    """Responses at a time, from the pieces of commands that are flown at it.
 
-    Of the rates at these beginnings, shape (dead times, 3, lags), and the commands held since,
-    shape (dead times, 3), both in [rad/s, rad/s, m/s^2]; for how long that is [s]; which share of
-    what lacks each lag leaves [-], shape (dead times, lags); and the airspeed gained until then, of
-    the same shape, in [m/s].
+    Of one piece for each dead time, flat; for how long it has lasted [s]; and which share of what
+    lacks each lag leaves [-], shape (dead times, lags).
     """
-    which, lag = (index.reshape(-1) for index in np.indices((len(DEAD_TIMES), len(LAGS))))
-    begun, held = ca.SX.sym("begun", 3 * which.size), ca.SX.sym("held", 3 * len(DEAD_TIMES))
-    since, left = ca.SX.sym("since", len(DEAD_TIMES)), ca.SX.sym("left", which.size)
-    gained = ca.SX.sym("gained", which.size)
-    commands = [held[(3 * which + channel).tolist()] for channel in range(3)]
-    lacking = [
-        begun[((3 * which + channel) * len(LAGS) + lag).tolist()] - command
-        for channel, command in enumerate(commands)
-    ]
-    rows = [each * left + command for each, command in zip(lacking, commands, strict=True)]
-    # The integral of what is lacking is tau times the part that has decayed.
-    lacks, command = lacking[ACCELERATION], commands[ACCELERATION]
-    decayed = (lacks - lacks * left) / ca.DM(_RATES[lag])
-    rows[ACCELERATION] = gained + (decayed + command * since[which.tolist()])
-    return ca.Function("responses", [begun, held, since, left, gained], [ca.vertcat(*rows)])
+    flown = ca.SX.sym("flown", PIECE.size * len(DEAD_TIMES))
+    since = ca.SX.sym("since", len(DEAD_TIMES))
+    left = ca.SX.sym("left", len(DEAD_TIMES) * len(LAGS))
+    pieces = [PIECE.parts(piece) for piece in ca.vertsplit(flown, PIECE.size)]
+    lefts, rates = ca.vertsplit(left, len(LAGS)), ca.DM(_RATES)
+    rows: list[list[ca.SX]] = [[], [], []]
+    for piece, lasted, remains in zip(pieces, ca.vertsplit(since), lefts, strict=True):
+        for channel, begun in enumerate(ca.vertsplit(piece.rates, len(LAGS))):
+            command = piece.held[channel]
+            lacks = begun - command
+            if channel == ACCELERATION:
+                # The integral of what is lacking is tau times the part that has decayed.
+                decayed = (lacks - lacks * remains) / rates
+                rows[channel].append(piece.gained + (decayed + command * lasted))
+            else:
+                rows[channel].append(lacks * remains + command)
+    return ca.Function("responses", [flown, since, left], [ca.vertcat(*itertools.chain(*rows))])

@@ -34,6 +34,7 @@ from __future__ import annotations
 
 import functools
 import math
+import operator
 
 import casadi as ca
 import numpy as np
@@ -51,9 +52,9 @@ WASHOUT = 10.0  # s, time constant of the high pass: shorter than an orbit, long
 GAIN_LIMITS = 0.5, 1.6  # -, of a gain that is believed
 # rad/s, rad/s, m/s: what is measured is never believed to be better than this, sample by sample;
 # a response that is lost in it is none.
-NOISE_FLOOR = np.array([0.003, 0.003, 0.05])
+NOISE_FLOOR = 0.003, 0.003, 0.05
 CORRELATION_LIMIT = 0.98  # -, of successive residuals
-PLAUSIBLE = np.array([10.0, 10.0, 1000.0])  # rad/s, rad/s, m/s: beyond them a sensor is broken
+PLAUSIBLE = 10.0, 10.0, 1000.0  # rad/s, rad/s, m/s: beyond them a sensor is broken
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
 # -, -, s: near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it
 # takes to lag away afterwards: share of the limit that is measured, share that is asked for, time.
@@ -61,7 +62,7 @@ SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
 # s, s, -: what the parabolas are off by between the points of the grid, of lag, sum and gain
 ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
-EVERY = np.arange(3)  # channels
+EVERY = range(3)  # channels
 REFINED_EVERY = 8  # measurements between refinements, one channel each
 GRID = len(DEAD_TIMES) * len(LAGS)  # candidates of each channel
 # Of each: what the high pass lets through; sums of x x, of x y, and of x with that of the next dead
@@ -82,23 +83,24 @@ class ResponseEstimator:
 
     @one_at_a_time
     def __init__(self, commanded: int = 3) -> None:
-        self._followed = commanded > EVERY
+        self._followed = [axis < commanded for axis in EVERY]
         self._candidates = ResponseCandidates()
         self._memory, self._before = np.zeros(SUMS.size), np.zeros(3 * GRID)
         sums = vars(SUMS.parts(self._memory)).values()
         self._passed, self._power, self._product, self._next = (
             part.reshape(3, -1) for part in sums
         )
-        self._added = NativeFunction(_added(), [self._memory, self._before])
+        known = [self._memory, self._before, self._candidates.responses]
+        self._added = NativeFunction(_added(), known)
         self.reset()
 
     def reset(self) -> None:
         """Forget all: another aircraft."""
         self._memory[:] = self._before[:] = 0.0
-        # Of 1, y y, the products of successive residuals, and their lags.
-        self._sums = np.zeros((4, 3))
-        self._residual, self._measured_passed = np.zeros(3), np.zeros(3)
-        self._nearest, self._gains = np.zeros(3, dtype=int), np.ones(3)  # the best candidate
+        # Of each channel: sums of 1, y y, products of successive residuals, and their squares.
+        self._sums = [[0.0] * 4 for _ in EVERY]
+        self._residual, self._measured_passed = [0.0] * 3, [0.0] * 3
+        self._nearest, self._gains = [0] * 3, [1.0] * 3  # the best candidate
         self.channels = [ChannelResponse()] * 3
         self._turn = 0
         self.interrupt()
@@ -107,8 +109,7 @@ class ResponseEstimator:
         """Forget commands and times, keep what has been learnt."""
         self._time: float | None = None
         self._commanded = False
-        self._used = np.zeros(3, dtype=bool)
-        self._measured = np.zeros(3)
+        self._used, self._measured = [False] * 3, [0.0] * 3
         self._saturated, self._begun, self._turn_rate_max = -math.inf, 0.0, math.inf
 
     def commanded(
@@ -150,8 +151,8 @@ class ResponseEstimator:
         elapsed = math.inf if self._time is None else time - self._time
         if 0.0 <= elapsed < SHORTEST_PERIOD:
             return
-        measured = np.array([turn_rate, path_angle_rate, airspeed or 0.0])
-        if (np.abs(measured) > PLAUSIBLE).any():
+        measured = [turn_rate, path_angle_rate, airspeed or 0.0]
+        if any(abs(value) > most for value, most in zip(measured, PLAUSIBLE, strict=True)):
             self.interrupt()
             return
         if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
@@ -163,8 +164,9 @@ class ResponseEstimator:
             return
         if abs(turn_rate) >= SATURATION * turn_rate_max:
             self._saturated = time
-        usable = np.array([time - self._saturated > RECOVERY, True, airspeed is not None])
-        usable &= self._followed & (time - self._begun > BEGIN)
+        free = time - self._saturated > RECOVERY, True, airspeed is not None
+        begun = time - self._begun > BEGIN
+        usable = [begun and each for each in map(operator.and_, free, self._followed)]
         self._add(time, elapsed, measured, usable)
         self._turn = (self._turn + 1) % (3 * REFINED_EVERY)
         if self._turn % REFINED_EVERY == 0:
@@ -172,31 +174,33 @@ class ResponseEstimator:
             found = self._refined(axis)
             self.channels[axis] = found.judged(self.channels[axis])
 
-    def _add(
-        self, time: float, elapsed: float, measured: NDArray[np.float64], usable: NDArray[np.bool_]
-    ) -> None:
+    def _add(self, time: float, elapsed: float, measured: list[float], usable: list[bool]) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""
-        weights = usable & self._used
+        weights = [float(now and before) for now, before in zip(usable, self._used, strict=True)]
         kept, forgotten = math.exp(-elapsed / WASHOUT), math.exp(-elapsed / MEMORY)
-        y = kept * (self._measured_passed + weights * (measured - self._measured))
-        self._measured, self._measured_passed, self._used = measured, y, usable
+        for axis, weight in enumerate(weights):
+            change = weight * (measured[axis] - self._measured[axis])
+            self._measured_passed[axis] = kept * (self._measured_passed[axis] + change)
+        self._measured, self._used = measured, usable
+        self._candidates.at(time)
         _, _, responses, told = self._added.arguments
-        responses[:] = self._candidates.at(time).reshape(-1)
-        told[:] = *weights, *y, kept, forgotten
+        told[:] = [*weights, *self._measured_passed, kept, forgotten]
         self._added.evaluate()
         self._memory[:], self._before[:] = self._added.results[0], responses
-        passed = self._passed
-        residual = weights * (y - self._gains * passed[EVERY, self._nearest])
-        sums = weights, weights * y**2, residual * self._residual, residual**2
-        self._sums = forgotten * self._sums + sums
-        self._residual = residual
+        for axis, (weight, y) in enumerate(zip(weights, self._measured_passed, strict=True)):
+            x, before = float(self._passed[axis, self._nearest[axis]]), self._residual[axis]
+            residual = weight * (y - self._gains[axis] * x)
+            new = weight, weight * (y * y), residual * before, residual * residual
+            sums = zip(self._sums[axis], new, strict=True)
+            self._sums[axis] = [forgotten * total + term for total, term in sums]
+            self._residual[axis] = residual
 
     def _refined(self, axis: int) -> ChannelResponse:
         """Minimum of J and its curvature."""
         columns = (-1, len(LAGS))
         power = self._power[axis].reshape(columns)
         product = self._product[axis].reshape(columns)
-        weight, squared_response, successive, squared = self._sums[:, axis].tolist()
+        weight, squared_response, successive, squared = self._sums[axis]
         if not np.any(power > 0.0):
             return ChannelResponse()
         following = self._next[axis].reshape(columns)
@@ -218,7 +222,7 @@ class ResponseEstimator:
         variance = max(least, 0.0) / max(weight - 4.0, 1.0)
         # as if a residual was independent of the one before
         variance *= (1.0 + correlation) / (1.0 - correlation)
-        variance += float(NOISE_FLOOR[axis]) ** 2
+        variance += NOISE_FLOOR[axis] ** 2
         of_lag = 2.0 * variance / max(bend, 1e-300)
         along = math.sqrt(of_lag)
         lag_rounding, delay_rounding, gain_rounding = ROUNDING
@@ -253,7 +257,7 @@ def _added() -> ca.Function:
     every = np.repeat(EVERY, GRID).tolist()
     weights, y = told[every], told[[3 + axis for axis in every]]
     passed = kept * (known.passed + weights * (responses - before))
-    axes = [passed[axis * GRID : (axis + 1) * GRID] for axis in EVERY.tolist()]
+    axes = [passed[axis * GRID : (axis + 1) * GRID] for axis in EVERY]
     successive = ca.vertcat(*[each[: -len(LAGS)] * each[len(LAGS) :] for each in axes])
     of_next = told[np.repeat(EVERY, GRID - len(LAGS)).tolist()]
     after = ca.vertcat(

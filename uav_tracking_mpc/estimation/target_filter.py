@@ -39,7 +39,7 @@ from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
 from uav_tracking_mpc.estimation.singer_motion import bridged
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
 from uav_tracking_mpc.estimation.target_track import Motion, TargetTrack
-from uav_tracking_mpc.estimation.turn_prediction import predict_turn
+from uav_tracking_mpc.estimation.turn_prediction import TurnPrediction
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
 RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be fast, not noisy
@@ -85,6 +85,7 @@ class TargetFilter:
 
     def __init__(self, noise: float, agility: float, speed: float = 5.0) -> None:
         self._told, self._agility, self._speed = noise, agility, speed
+        self._turn = TurnPrediction()
         self.reset()
 
     def tune(self, noise: float, agility: float) -> None:
@@ -267,7 +268,7 @@ class TargetFilter:
         ages = np.asarray(times, dtype=float) - track.time
         travelled, left = self.bridge(float(ages[0]) + track.time)
         leads = np.maximum(travelled + left * (ages - ages[0]), -REWIND)
-        positions, velocities, accelerations = predict_turn(
+        positions, velocities, accelerations = self._turn(
             track.state, track.covariance, track.turn_rate, leads
         )
         return positions, left * velocities, left * left * accelerations

@@ -34,30 +34,44 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.symbolic.functions import BufferedFunction
+
 TURN_RATE_MAX = 1.0  # rad/s
 SPEED_TIME = 2.0  # s, tau: vehicles change their speed for a few seconds
 STRAIGHT = 1e-7  # rad/s: a slower turn cannot be told from a straight line
 
 
-def predict_turn(
-    state: NDArray[np.float64],
-    covariance: NDArray[np.float64],
-    turn_rate: float,
-    leads: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Position, velocity and acceleration ahead of now.
+class TurnPrediction:
+    """Position, velocity and acceleration ahead of now."""
 
-    Args:
-        state: Position, velocity, acceleration now, rows of shape (3, 3).
-        covariance: Of (p, v, a) on each axis, positive definite, shape (3, 3).
-        turn_rate: omega in [rad/s].
-        leads: Times ahead, shape (n,), in [s].
+    def __init__(self) -> None:
+        self._turn = BufferedFunction(TURN)
 
-    Returns:
-        Shape (3, n, 3): positions, velocities, accelerations.
-    """
-    columns = TURN(state.reshape(-1), covariance[2, 2], turn_rate, leads[np.newaxis])
-    return np.array(columns).reshape(3, 3, -1).swapaxes(1, 2)
+    def __call__(
+        self,
+        state: NDArray[np.float64],
+        covariance: NDArray[np.float64],
+        turn_rate: float,
+        leads: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """At times ahead.
+
+        Args:
+            state: Position, velocity, acceleration now, rows of shape (3, 3).
+            covariance: Of (p, v, a) on each axis, positive definite, shape (3, 3).
+            turn_rate: omega in [rad/s].
+            leads: Times ahead, shape (n,), in [s].
+
+        Returns:
+            Shape (3, n, 3): positions, velocities, accelerations.
+        """
+        motion, variance, rate, lead = self._turn.arguments
+        motion[:], variance[0], rate[0] = state.reshape(-1), covariance[2, 2], turn_rate
+        rows = np.empty((len(leads), 9))
+        for row, lead[0] in zip(rows, leads.tolist(), strict=True):
+            self._turn.evaluate()
+            row[:] = self._turn.results[0]
+        return rows.reshape(-1, 3, 3).swapaxes(0, 1)
 
 
 def _turn() -> ca.Function:
