@@ -75,15 +75,21 @@ def test_the_bank_is_that_of_the_airspeed_that_the_controller_estimates(engaged,
     assert newest.airspeed == (told or None)  # the controller finds it out by itself
 
 
+def test_the_bank_leaves_out_what_the_aircraft_turns_besides(engaged):
+    engaged.fly(2.0, Planner(ORBIT._replace(airspeed_now=20.0, surplus=0.02)))
+    bank = math.degrees(engaged.sent[-1][1].roll)
+    assert bank == pytest.approx(-math.degrees(math.atan(20.0 * 0.06 / 9.80665)), abs=0.1)
+
+
 def test_an_estimate_that_does_not_come_any_more_is_forgotten(engaged):
-    engaged.fly(2.0, Planner(ORBIT._replace(airspeed_now=30.0)))
+    engaged.fly(2.0, Planner(ORBIT._replace(airspeed_now=30.0, surplus=0.01)))
     telemetry = engaged.link.heard.telemetry
-    assert telemetry.flown_airspeed == 30.0
+    assert (telemetry.flown_airspeed, telemetry.surplus) == (30.0, 0.01)
     engaged.fly(0.5, Planner())  # of a controller that tells none
     assert telemetry.flown_airspeed == telemetry.airspeed
     engaged.fly(0.5, Planner(ORBIT._replace(airspeed_now=30.0)))
     engaged.fly(2.0, Nobody())
-    assert telemetry.flown_airspeed == telemetry.airspeed
+    assert (telemetry.flown_airspeed, telemetry.surplus) == (telemetry.airspeed, 0.0)
 
 
 def test_a_ground_station_that_sends_it_elsewhere_is_not_overridden(engaged):

@@ -113,14 +113,14 @@ def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(made):
     assert made._values()["commands received"] == 2
 
 
-def test_the_airspeed_that_the_controller_estimates_reaches_the_link_with_the_orbit(made):
+def test_what_the_controller_estimates_reaches_the_link_with_the_orbit(made):
     stamp = nanoseconds(made.sent[ODOMETRY.name][-1][1].header.stamp)
     made._on_orbit(filled_orbit(stamp, ORBIT))
     made._on_command(command(stamp))
     assert made._link.orbits[-1].airspeed_now == 0.0  # of a controller that tells none
-    made._on_tracking(filled_tracking(stamp, airspeed=19.5))
+    made._on_tracking(filled_tracking(stamp, surplus=0.02, airspeed=19.5))
     made._on_command(command(stamp))
-    assert made._link.orbits[-1].airspeed_now == 19.5
+    assert (made._link.orbits[-1].airspeed_now, made._link.orbits[-1].surplus) == (19.5, 0.02)
     made._on_tracking(filled_tracking(stamp, airspeed=math.nan))
     made._on_command(command(stamp))
     assert made._link.orbits[-1].airspeed_now == 0.0

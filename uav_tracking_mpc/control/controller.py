@@ -464,7 +464,8 @@ class Controller:
         if now is not None:  # the drift is the wind less the target's velocity
             ends = self._plan.orbit if mode.planned else None
             flown = orbit_about(now.target, self.navigator.wind - now.drift, self.orbit, ends)
-            flown = flown._replace(airspeed_now=max(0.0, now.airspeed))  # 0 for no number
+            airspeed = max(0.0, now.airspeed)  # in this order 0 for no number
+            flown = flown._replace(airspeed_now=airspeed, surplus=surplus)
         return Command(stamp, inputs, step, mode, reason, self.orbit, plan, now, flown)
 
     def _select(self, available: Available) -> FallbackMode:

@@ -228,6 +228,7 @@ class FlownOrbit(NamedTuple):
         radius: Horizontal, in [m]: positive counter-clockwise, negative clockwise, seen from above.
         airspeed: To hold in [m/s].
         airspeed_now: That is flown at present, as it is estimated, in [m/s]; 0 where nobody tells.
+        surplus: What the aircraft turns quicker than its bank says, as it is estimated, in [rad/s].
     """
 
     centre: NDArray[np.float64]
@@ -235,6 +236,7 @@ class FlownOrbit(NamedTuple):
     radius: float
     airspeed: float
     airspeed_now: float = 0.0
+    surplus: float = 0.0
 
 
 def orbit_about(

@@ -124,8 +124,9 @@ class Measurement:
         """Refuse what is no measurement; copy the vectors, which must not change afterwards."""
         for name in ("position", "ground_velocity"):
             vector = np.array(getattr(self, name), dtype=float)
-            unknown = name == "position" and vector.shape == (3,) and np.isnan(vector).all()
-            if not unknown and not (vector.shape == (3,) and np.isfinite(vector).all()):
+            numbers = vector.tolist() if vector.shape == (3,) else [math.inf]
+            unknown = name == "position" and all(map(math.isnan, numbers))
+            if not unknown and not all(map(math.isfinite, numbers)):
                 raise MeasurementError(
                     f"{name} is {getattr(self, name)!r}, must be three finite numbers"
                 )

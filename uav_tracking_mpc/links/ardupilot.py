@@ -312,7 +312,7 @@ class ArduPilotLink(MavlinkLink):
         if airspeed is None:
             return
         limit = self.envelope().bank_max(airspeed) or 0.0
-        turn_rate = float(inputs[0]) - self.heard.telemetry.path.surplus
+        turn_rate = float(inputs[0]) - self.heard.telemetry.surplus
         bank = max(-limit, min(limit, bank_from_turn_rate(turn_rate, airspeed)))
         self.heard.connection.send(
             mavlink.MAVLink_set_attitude_target_message(

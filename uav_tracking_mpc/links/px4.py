@@ -369,7 +369,7 @@ class Px4Link(MavlinkLink):
         turn_rate, path_rate, gain = np.asarray(inputs, dtype=float).tolist()
         envelope = self.envelope()
         limit, reach = envelope.bank_max(airspeed) or 0.0, envelope.roll_slew
-        coordinated = turn_rate - telemetry.path.surplus
+        coordinated = turn_rate - telemetry.surplus
         wanted = _clip(bank_from_turn_rate(coordinated, airspeed), limit)
         change = _clip(wanted - self._bank, reach * (now - self._banked_at))
         self._bank, self._banked_at = _clip(self._bank + change, limit), now

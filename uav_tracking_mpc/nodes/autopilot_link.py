@@ -199,7 +199,8 @@ class AutopilotLink(VehicleNode):
         self._engaged, self._told = False, -math.inf
         self._ready = False  # whether the link has something to fly
         self._orbit: tuple[FlownOrbit, int] | None = None
-        self._airspeed = 0.0, 0  # that the controller estimates [m/s], and its stamp [ns]
+        # Airspeed [m/s] and surplus of the turn [rad/s] by the controller, and their stamp [ns]
+        self._estimated = 0.0, 0.0, 0
         self._states, self._state_time, self._refusal = 0, -math.inf, ""
         if self.parameters.target_system:
             self._point, self._track = TARGET.type(), TARGET_ODOMETRY.type()
@@ -263,24 +264,26 @@ class AutopilotLink(VehicleNode):
 
     def _on_tracking(self, message: Any) -> None:
         try:
-            airspeed = tracking_figures(message).get("airspeed", 0.0)
+            figures = tracking_figures(message)
         except MessageError as error:
-            self._refuse("airspeed", str(error))
+            self._refuse("estimate", str(error))
         else:
-            self._airspeed = airspeed, nanoseconds(message.header.stamp)
+            airspeed, surplus = (figures.get(name, 0.0) for name in ("airspeed", "surplus"))
+            self._estimated = airspeed, surplus, nanoseconds(message.header.stamp)
 
     def _orbit_at(self, stamp: int) -> FlownOrbit | None:
-        """The newest orbit, carried on to a ROS time, with the airspeed; None without a new one."""
+        """The newest orbit at a ROS time, with what is estimated; None without a new one."""
         if self._orbit is None:
             return None
         orbit, at = self._orbit
         age = (stamp - at) * 1e-9
         if abs(age) > ORBIT_AGE:
             return None
-        airspeed, at = self._airspeed
-        airspeed *= abs(stamp - at) * 1e-9 <= ORBIT_AGE
-        centre = orbit.centre + age * orbit.velocity
-        return orbit._replace(centre=centre, airspeed_now=airspeed)
+        orbit = orbit._replace(centre=orbit.centre + age * orbit.velocity)
+        airspeed, surplus, at = self._estimated
+        if abs(stamp - at) * 1e-9 > ORBIT_AGE:
+            return orbit
+        return orbit._replace(airspeed_now=airspeed, surplus=surplus)
 
     def _on_engage(self, request: Any, response: Any) -> Any:
         self._wanted = False

@@ -498,8 +498,9 @@ class ControllerViews:
         if not any(publisher.get_subscription_count() for publisher in publishers):
             return
         message = self._error_values
-        known = navigator.target.position_std(command.stamp), navigator.wind, command.mode
-        set_tracking(message, stamp, present, command.orbit, *known, self.frames)
+        known = navigator.target.position_std(command.stamp), navigator.wind
+        told = command.mode, navigator.air.surplus, self.frames
+        set_tracking(message, stamp, present, command.orbit, *known, *told)
         if not all(map(math.isfinite, message.position)):
             return
         if self._errors.get_subscription_count():

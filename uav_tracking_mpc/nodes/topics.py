@@ -256,7 +256,8 @@ TRACKING_ERRORS = Topic(
     "down [rad]); target_east, target_north, target_up (as estimated, in `map`); target_std (of "
     "each [m]); wind_east, wind_north, wind_up (as estimated, with gust); mode (0 optimal plan, 1 "
     "guidance law, 2 feasible plan, 3 earlier plan, 4 loiter law, 5 wings level); airspeed (as "
-    "estimated: autopilot_link finds the bank from it). Values in `position`.",
+    "estimated) and surplus (what the aircraft turns quicker than its bank says [rad/s]), from "
+    "which autopilot_link finds the bank. Values in `position`.",
 )
 # As tf2 offers them; for viewers, and only where ROS has tf2_msgs.
 TRANSFORMS, STATIC_TRANSFORMS = (

@@ -85,7 +85,7 @@ WIND = np.array([3.0, -4.0, 0.5])
 
 def heard(situation, mode=FallbackMode.OPTIMAL):
     message = tracking_message()
-    set_tracking(message, 5_000_000_007, situation, WANTED, 0.7, WIND, mode)
+    set_tracking(message, 5_000_000_007, situation, WANTED, 0.7, WIND, mode, 0.02)
     said = over_the_wire(message)
     assert nanoseconds(said.header.stamp) == 5_000_000_007
     assert said.header.frame_id == "map"
@@ -123,9 +123,9 @@ def test_estimates_of_target_and_wind_have_their_names():
     assert told["target_std"] == 0.7
 
 
-def test_the_airspeed_is_that_of_the_situation():
-    now = small_uav.situation(300.0, 0.0, 120.0, 1.6, 0.05, 19.5)
-    assert values(now)["airspeed"] == now.airspeed == 19.5
+def test_airspeed_and_surplus_of_the_turn_have_their_names():
+    told = values(small_uav.situation(300.0, 0.0, 120.0, 1.6, 0.05, 19.5))
+    assert (told["airspeed"], told["surplus"]) == (19.5, 0.02)
 
 
 @pytest.mark.parametrize("mode", FallbackMode)

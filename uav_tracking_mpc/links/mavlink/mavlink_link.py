@@ -311,7 +311,7 @@ class MavlinkLink(VehicleLink):
         """See :meth:`VehicleLink.command`."""
         if orbit is not None:
             numbers = np.hstack(orbit)  # of its own: the caller's arrays may change
-            if numbers.shape != (9,) or not np.isfinite(numbers).all():
+            if numbers.shape != (10,) or not np.isfinite(numbers).all():
                 return f"the orbit is {orbit}, must be finite, with points of shape (3,)"
             orbit = FlownOrbit(numbers[:3], numbers[3:6], *numbers[6:].tolist())
         now = self.now()
@@ -324,7 +324,8 @@ class MavlinkLink(VehicleLink):
             if orbit is not None:
                 self.orbit = orbit
                 if self._heard is not None:
-                    self._heard.telemetry.see_estimate(orbit.airspeed_now, now)
+                    estimated = orbit.airspeed_now, orbit.surplus
+                    self._heard.telemetry.see_estimate(*estimated, now)
             if self.engagement.commanding and self._heard is not None:
                 self._fly(now)
                 self._latency.answered(stamp, self.now())

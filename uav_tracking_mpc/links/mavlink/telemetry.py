@@ -47,7 +47,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.frames import course_rates_from_euler, heading_from_yaw
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
-from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, FlightPath
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
 from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
@@ -261,7 +261,7 @@ class Telemetry:
         wind: Velocity of the air in ``map`` by the autopilot, shape (3,), in [m/s]; None where it
             tells nothing.
         throttle: From 0 to 1 [-]; None until it is known.
-        path: Of the air, and how it turns beside its bank.
+        surplus: What the aircraft turns quicker than its bank says, by the controller, in [rad/s].
         newest: The newest measurement.
         distance: Of the newest position from the origin of ``map`` in [m]; 0 before the first.
             Beyond :data:`FARTHEST` none is measured.
@@ -280,8 +280,7 @@ class Telemetry:
         self.wind: NDArray[np.float64] | None = None
         self.newest: Measurement | None = None
         self.distance = 0.0
-        self.path = FlightPath()
-        self._estimated, self._estimated_at = 0.0, -math.inf
+        self._estimated, self._estimated_at, self.surplus = 0.0, -math.inf, 0.0
         self._accuracies = Accuracies()
         self.throttle: float | None = None
         self._calibrated: float | None = None
@@ -311,14 +310,15 @@ class Telemetry:
         airspeed = self._estimated if told else self.airspeed
         return None if airspeed is None or airspeed < LEAST_AIRSPEED else airspeed
 
-    def see_estimate(self, airspeed: float, arrival: float) -> None:
-        """Take in the airspeed that the controller estimates.
+    def see_estimate(self, airspeed: float, surplus: float, arrival: float) -> None:
+        """Take in what the controller estimates.
 
         Args:
             airspeed: In [m/s]; 0 where it tells none.
+            surplus: What the aircraft turns quicker than its bank says in [rad/s].
             arrival: Our time in [s].
         """
-        self._estimated, self._estimated_at = airspeed, arrival
+        self._estimated, self._estimated_at, self.surplus = airspeed, arrival, surplus
 
     def see(self, message: Any, arrival: float) -> Measurement | None:
         """Take in a message.
@@ -381,7 +381,7 @@ class Telemetry:
         if arrival - self._wind_at > WIND_AGE:
             self.wind = None
         if arrival - self._estimated_at > AIRSPEED_AGE:
-            self._estimated = 0.0
+            self._estimated = self.surplus = 0.0
         self.altitude = message.alt * 1e-3
         attitude, newest = self.attitude, self.newest
         if self.frame is None or attitude is None or self._clock.offset is None:
@@ -415,7 +415,6 @@ class Telemetry:
             noise=self._accuracies.noise(arrival),
             bank=attitude.roll,
         )
-        self.path.of(self.newest, self.flown_airspeed or 0.0)
         return self.newest
 
 

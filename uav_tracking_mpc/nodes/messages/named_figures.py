@@ -106,7 +106,7 @@ def _checked(field: str, values: object, limits: NDArray[np.float64]) -> NDArray
 ERRORS = ["range_error", "bearing_error", "altitude_error", "pitch_error", "speed_error"]
 TARGET = ["target_east", "target_north", "target_up"]
 WIND = ["wind_east", "wind_north", "wind_up"]
-TRACKED = [*ERRORS, "bank", *TARGET, "target_std", *WIND, "mode", "airspeed"]
+TRACKED = [*ERRORS, "bank", *TARGET, "target_std", *WIND, "mode", "airspeed", "surplus"]
 MODES = tuple(FallbackMode)  # by the number of "mode"
 
 
@@ -125,6 +125,7 @@ def set_tracking(
     target_std: float,
     wind: NDArray[np.float64],
     mode: FallbackMode,
+    surplus: float = 0.0,
     frames: FrameNames = FRAMES,
 ) -> None:
     """Fill a message.
@@ -137,6 +138,7 @@ def set_tracking(
         target_std: Standard deviation of the target's position on each axis in [m].
         wind: As estimated, in ``map``, shape (3,), in [m/s].
         mode: What is flown.
+        surplus: What the aircraft turns quicker than its bank says in [rad/s].
         frames: Of the message.
     """
     set_header(message, stamp, frames.map)
@@ -149,6 +151,7 @@ def set_tracking(
         *wind.tolist(),
         float(MODES.index(mode)),
         situation.airspeed,
+        surplus,
     ]
     for index, figure in enumerate(figures):
         message.position[index] = figure
