@@ -35,7 +35,6 @@ from uav_tracking_mpc.control.fallback import OWN_SOLVE, FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.channel_response import CHANNELS
 from uav_tracking_mpc.estimation.navigator import Navigator
-from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver
 from uav_tracking_mpc.nodes.messages.conversions import set_header, set_orientation, set_vector
 from uav_tracking_mpc.nodes.messages.diagnostic_values import (
@@ -476,8 +475,7 @@ class ControllerViews:
             navigator: What it was computed from.
         """
         present, solution = command.present, command.solution
-        if present is not None:
-            self._publish_errors(stamp, present, command, navigator)
+        self._publish_errors(stamp, command, navigator)
         if solution is not None:
             self._publish_figure("cost", solution.cost)
             self._publish_figure("solve_time", solution.solve_time)
@@ -490,17 +488,16 @@ class ControllerViews:
                 markers_message(stamp, path.states, present.target, command.orbit, self.frames)
             )
 
-    def _publish_errors(
-        self, stamp: int, present: Situation, command: Command, navigator: Navigator
-    ) -> None:
+    def _publish_errors(self, stamp: int, command: Command, navigator: Navigator) -> None:
         """Stamped all in one message, and each one by itself."""
         publishers = self._errors, *(self._tracking[name][0] for name in ERRORS)
-        if not any(publisher.get_subscription_count() for publisher in publishers):
+        heard = any(publisher.get_subscription_count() for publisher in publishers)
+        if not heard or command.present is None:
             return
         message = self._error_values
-        known = navigator.target.position_std(command.stamp), navigator.wind
-        told = command.mode, navigator.air.surplus, self.frames
-        set_tracking(message, stamp, present, command.orbit, *known, *told)
+        deviation, surplus = navigator.target.position_std(command.stamp), navigator.air.surplus
+        figures = deviation, navigator.wind, command.mode, surplus, self.frames
+        set_tracking(message, stamp, command.present, command.orbit, *figures)
         if not all(map(math.isfinite, message.position)):
             return
         if self._errors.get_subscription_count():
