@@ -15,6 +15,7 @@
 import numpy as np
 import pytest
 
+from uav_tracking_mpc.estimation import measurement_noise
 from uav_tracking_mpc.estimation.measurement_noise import RATIO_MAX, SPAN, MeasurementNoise
 
 
@@ -89,3 +90,10 @@ def test_what_says_nothing_of_noise_is_left_out(gap):
     for time in (0.0, gap, gap + 0.1):
         noise.see(time, np.array([1e6 * time, 0.0, 0.0]) ** 2, 0.01)
     assert noise.scale == 1.0
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 24, 239, 240])
+def test_the_quantile_is_that_of_numpy(count):
+    values = np.random.default_rng(count).exponential(size=count).tolist()
+    expected = np.quantile(values, measurement_noise.QUANTILE)
+    assert measurement_noise._quantile(values) == expected

@@ -456,7 +456,8 @@ class Controller:
         # half of its time where commands are that rare.
         until = self.navigator.latency + min(LASTS / self.parameters.control_rate, 0.5 * step)
         late = min(math.ceil(until / step), len(inputs)) - 1
-        inputs = np.vstack([*[inputs[:1]] * late, inputs[: len(inputs) - late]])
+        if late:
+            inputs = np.vstack([*[inputs[:1]] * late, inputs[: len(inputs) - late]])
         inputs, surplus = inputs / self.response.flown.gains, self.navigator.air.surplus
         inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode, surplus, now)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, now)

@@ -53,6 +53,8 @@ def nearest_direction(
         present: Direction that is flown, if one is: kept but for a flight clearly against it.
         stands: Whether it is kept in any case.
     """
+    if stands and present is not None:
+        return present
     x, y, _ = situation.offset.tolist()
     w_x, w_y, _ = situation.relative_velocity.tolist()
     speed_distance = math.hypot(x, y) * math.hypot(w_x, w_y)
@@ -61,7 +63,7 @@ def nearest_direction(
     if present is None:
         return COUNTER_CLOCKWISE if along > 0.0 else CLOCKWISE
     follows = along if present == COUNTER_CLOCKWISE else -along
-    if stands or not follows < -math.sin(HYSTERESIS):  # also where it is no number
+    if not follows < -math.sin(HYSTERESIS):  # also where it is no number
         return present
     return CLOCKWISE if present == COUNTER_CLOCKWISE else COUNTER_CLOCKWISE
 

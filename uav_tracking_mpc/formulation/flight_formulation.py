@@ -112,6 +112,7 @@ class FlightFormulation:
             for limit in self.envelope.limits
             if limit.on_ground
         ]
+        self._weigh()
         self.solver.time_limit = parameters.solve_time_max
         self.respond(parameters.flown_by(parameters.response))
 
@@ -131,13 +132,17 @@ class FlightFormulation:
     def soften(self, factors: NDArray[np.float64]) -> None:
         """See :meth:`Formulation.soften`."""
         self._factors = factors.copy()
+        self._weigh()
 
-    def _rate_weights(self, gust_walk: float) -> NDArray[np.float64]:
-        told = np.array(self.parameters.rate_weights)
+    def _weigh(self, gust_walk: float = 0.0) -> None:
+        """Weights of the inputs' rates; of an aircraft that is held the gusts count."""
+        weights = np.array(self.parameters.rate_weights)
         if self.flight.holds:
             least, most = HELD_SOFTNESS
-            told[0] *= min(max(least, most * gust_walk / GUST_WALK), most)
-        return np.where(self._factors > 1.0, self._factors * np.maximum(told, LEAST_SOFTENED), told)
+            weights[0] *= min(max(least, most * gust_walk / GUST_WALK), most)
+        softened = self._factors * np.maximum(weights, LEAST_SOFTENED)
+        weights = np.where(self._factors > 1.0, softened, weights)
+        self._data[:, self.flight.where["rate_weights"]] = weights
 
     def reset(self) -> None:
         """Forget the last plan."""
@@ -200,12 +205,12 @@ class FlightFormulation:
         data, where = self._data, self.flight.where
         data[:, where["drift"]] = forecast.drift
         data[:, where["drift_rate"]] = forecast.drift_rate
-        data[:, where["rate_weights"]] = self._rate_weights(forecast.gust_walk)
         data[:, where["orbit"]] = orbit.range, orbit.altitude, orbit.speed
         data[:, where["sense"]] = orbit.sense
         if self.flight.holds:
             held = self._held or (orbit.altitude, orbit.speed, orbit.altitude)
             data[:, where["held"]], data[:, where["end_height"]] = held[:2], held[2]
+            self._weigh(forecast.gust_walk)
         for part, limit in self._on_ground:
             data[:, part] = limit.numbers(forecast.target)
         return data
