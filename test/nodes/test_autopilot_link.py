@@ -127,8 +127,12 @@ def test_what_the_controller_estimates_reaches_the_link_with_the_orbit(made):
     made._on_tracking(filled_tracking(stamp - 3_000_000_000, airspeed=19.5))
     made._on_command(command(stamp))
     assert made._link.orbits[-1].airspeed_now == 0.0  # it is too old
+    made._on_tracking(filled_tracking(stamp, airspeed=19.5))
+    made._on_tracking(filled_tracking(stamp, airspeed=1e6))
     made._on_tracking(type(filled_tracking(stamp))(name=["airspeed"]))
-    assert made._values()["plans refused"] == 1
+    assert made._values()["plans refused"] == 2
+    made._on_command(command(stamp))
+    assert made._link.orbits[-1].airspeed_now == 19.5
 
 
 def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(made):

@@ -39,6 +39,8 @@ from uav_tracking_mpc.nodes.ros.endpoints import listen, publish, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import (
     ENGAGED,
+    RATE_LIMIT,
+    SPEED_LIMIT,
     TARGET,
     TARGET_ODOMETRY,
     TRACKING_ERRORS,
@@ -54,6 +56,7 @@ TELL_PERIOD = 1.0  # s between messages that say whether the commands are flown
 SILENCE = 1.0  # s without a state, after which it is missed
 SWITCH_INTERVAL = 1e-4  # s that a thread may keep another, which has a set-point to send, waiting
 ORBIT_AGE = 2.0  # s by which an orbit may be older than the command
+ESTIMATED = {"airspeed": SPEED_LIMIT, "surplus": RATE_LIMIT}  # m/s, rad/s: by the controller
 
 SHARE = 0.02  # -, of a new reading in the offset
 STEP = 5e-3  # s by which a reading may differ before the clocks count as set anew
@@ -265,11 +268,14 @@ class AutopilotLink(VehicleNode):
     def _on_tracking(self, message: Any) -> None:
         try:
             figures = tracking_figures(message)
+            for name, limit in ESTIMATED.items():
+                if abs(figures.get(name, 0.0)) > limit:
+                    words = f"{name} is {figures[name]:g}, must be within {limit:g}"
+                    raise MessageError(f"{TRACKING_ERRORS.name}: {words}")
+            airspeed, surplus = (figures.get(name, 0.0) for name in ESTIMATED)
+            self._estimated = airspeed, surplus, nanoseconds(message.header.stamp)
         except MessageError as error:
             self._refuse("estimate", str(error))
-        else:
-            airspeed, surplus = (figures.get(name, 0.0) for name in ("airspeed", "surplus"))
-            self._estimated = airspeed, surplus, nanoseconds(message.header.stamp)
 
     def _orbit_at(self, stamp: int) -> FlownOrbit | None:
         """The newest orbit at a ROS time, with what is estimated; None without a new one."""
