@@ -77,7 +77,8 @@ def test_threads_that_predict_at_once_share_no_numbers():
 
     def furthest(speed):
         state = np.array([[0.0, 0.0, 0.0], [speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
-        return [TurnPrediction()(state, KNOWN, 0.0, LEADS)[0][-1, 0] for _ in range(2000)]
+        predict = TurnPrediction()
+        return [predict(state, KNOWN, 0.0, LEADS)[0][-1, 0] for _ in range(2000)]
 
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)

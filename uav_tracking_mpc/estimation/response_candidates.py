@@ -58,8 +58,8 @@ class ResponseCandidates:
         self._times, self._pieces = np.zeros(2 * CAPACITY), np.zeros((2 * CAPACITY, PIECE.size))
         self._evaluated = NativeFunction(_responses())
         (self.responses,) = self._evaluated.results
-        self._flown, self._since, left = self._evaluated.arguments
-        self._flown, self._left = self._flown.reshape(-1, PIECE.size), left.reshape(-1, len(LAGS))
+        flown, self._since, left = self._evaluated.arguments
+        self._flown, self._left = flown.reshape(-1, PIECE.size), left.reshape(-1, len(LAGS))
         self.reset(0.0, np.zeros(3))
 
     def reset(self, time: float, inputs: NDArray[np.float64]) -> None:

@@ -34,7 +34,6 @@ from __future__ import annotations
 
 import functools
 import math
-import operator
 
 import casadi as ca
 import numpy as np
@@ -166,7 +165,8 @@ class ResponseEstimator:
             self._saturated = time
         free = time - self._saturated > RECOVERY, True, airspeed is not None
         begun = time - self._begun > BEGIN
-        usable = [begun and each for each in map(operator.and_, free, self._followed)]
+        both = zip(free, self._followed, strict=True)
+        usable = [begun and each and followed for each, followed in both]
         self._add(time, elapsed, measured, usable)
         self._turn = (self._turn + 1) % (3 * REFINED_EVERY)
         if self._turn % REFINED_EVERY == 0:
@@ -182,7 +182,7 @@ class ResponseEstimator:
             change = weight * (measured[axis] - self._measured[axis])
             self._measured_passed[axis] = kept * (self._measured_passed[axis] + change)
         self._measured, self._used = measured, usable
-        self._candidates.at(time)
+        self._candidates.at(time)  # into the responses
         _, _, responses, told = self._added.arguments
         told[:] = [*weights, *self._measured_passed, kept, forgotten]
         self._added.evaluate()

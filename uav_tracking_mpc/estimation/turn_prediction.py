@@ -68,7 +68,8 @@ class TurnPrediction:
         motion, variance, rate, lead = self._turn.arguments
         motion[:], variance[0], rate[0] = state.reshape(-1), covariance[2, 2], turn_rate
         rows = np.empty((len(leads), 9))
-        for row, lead[0] in zip(rows, leads.tolist(), strict=True):
+        for row, ahead in zip(rows, leads.tolist(), strict=True):
+            lead[0] = ahead
             self._turn.evaluate()
             row[:] = self._turn.results[0]
         return rows.reshape(-1, 3, 3).swapaxes(0, 1)

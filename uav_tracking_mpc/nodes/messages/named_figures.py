@@ -125,7 +125,7 @@ def set_tracking(
     target_std: float,
     wind: NDArray[np.float64],
     mode: FallbackMode,
-    surplus: float = 0.0,
+    surplus: float,
     frames: FrameNames = FRAMES,
 ) -> None:
     """Fill a message.
