@@ -157,7 +157,6 @@ TARGET_GOAL = Topic(
     "people",
     "Where the target is to go and stand, in `map`: at its `speed`, or 5 m/s if that is 0.",
     optional=True,
-    sensed=True,
 )
 TARGET_TRUTH = Topic(
     "target/truth",

@@ -43,7 +43,8 @@ Sections = dict[str, dict[str, Any]]
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """Numbers as YAML 1.2 and people write them: 1e3 is one, 1:30 is none.
 
-    By libyaml where PyYAML was built with it, which is faster.
+    By libyaml where PyYAML was built with it, which is faster. ``ros2 launch`` writes the arrays of
+    a launch file as tuples of Python, which ROS reads as any sequence.
     """
 
 
@@ -60,6 +61,7 @@ _Loader.add_implicit_resolver(
     ),
     list("-+0123456789."),
 )
+_Loader.add_constructor("tag:yaml.org,2002:python/tuple", _Loader.construct_sequence)
 
 
 def read_sections(path: Path, known: Collection[str]) -> Sections:

@@ -15,6 +15,7 @@
 """Nodes as processes: exit codes, signals, --help."""
 
 import pytest
+import yaml
 from node_flight import NODES
 from node_harness import ending
 from processes import INTERRUPT, TERMINATE, fatal_words, run_node
@@ -198,6 +199,28 @@ def test_a_parameter_file_without_effect_is_warned_of(section, rate, warned, tmp
     assert code == 0
     assert (VAIN in log) == warned
     assert made[0].parameters.rate == rate
+
+
+@pytest.mark.parametrize("more", ["", "    noise: !metres 0.5\n"])
+def test_a_parameter_file_that_ros_reads_is_obeyed(more, tmp_path, run_here):
+    """As ``ros2 launch`` writes the arrays of a launch file, and with a tag that ROS skips."""
+    file = tmp_path / "parameters.yaml"
+    values = {"position": (5.0, 6.0, 0.0), "rate": 7.0}
+    written = yaml.dump({"/**": {"ros__parameters": values}})
+    assert "!!python/tuple" in written
+    file.write_text(written + more)
+    made = []
+
+    def make():
+        made.append(ending(TargetPublisher()))
+        return made[0]
+
+    code, log = run_here("target_publisher", make, "--ros-args", "--params-file", str(file))
+    assert code == 0, log
+    assert VAIN not in log
+    assert made[0].parameters.rate == 7.0
+    assert list(made[0].parameters.position) == [5.0, 6.0, 0.0]
+    assert made[0].parameters.noise == (0.5 if more else 0.0)
 
 
 @pytest.mark.parametrize("name", HEARD)

@@ -174,7 +174,10 @@ def _warn_of_vain_files(node: Node, name: str, arguments: Sequence[str]) -> None
     for flag, file in pairwise(arguments):
         if flag != "--params-file":
             continue
-        sections = _sections(read_yaml(Path(file), "parameter file"))
+        try:
+            sections = _sections(read_yaml(Path(file), "parameter file"))
+        except ParameterError:
+            continue  # ROS has read it, by a parser of its own: what it says counts
         own = node.get_fully_qualified_name()
         if any(_matches(section, own) for section in sections):
             continue
