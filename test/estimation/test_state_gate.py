@@ -64,6 +64,17 @@ def test_a_state_that_only_repeats_itself_tells_nothing_until_it_moves_on():
     assert gate.judge(moving(15.0, 5.0), 15.0) is Verdict.USE
 
 
+@pytest.mark.parametrize("flown", [0.0, 20.0])
+def test_a_place_that_stood_is_left_without_a_jump(flown):
+    """By an aircraft that waited for its first command, or whose position was not measured."""
+    gate, speed = StateGate(0.5), 20.0
+    for stamp in np.arange(0.0, 10.0, TICK):
+        gate.judge(Measurement(stamp, HERE, [speed, 0.0, 0.0], stamp, 0.0), stamp)
+    there = [10.0 * flown + speed * TICK, 0.0, 0.0]
+    verdict = gate.judge(Measurement(10.0, there, [speed, 0.0, 0.0], 10.0, 0.0), 10.0)
+    assert verdict is Verdict.USE
+
+
 @pytest.mark.parametrize("away", [-100, 1000])
 def test_one_odd_stamp_is_doubted_and_flight_goes_on(gate, away):
     assert judged(gate, [away, 5, away + 7, away + 8, 6, 7]) == [

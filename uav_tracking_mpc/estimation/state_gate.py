@@ -180,15 +180,16 @@ class StateGate:
 def _change(
     before: Measurement, after: Measurement, flown: NDArray[np.float64] | float = 0.0
 ) -> tuple[float, float]:
-    """Time [s] and distance [m] from one measurement to another, less what has been flown since.
+    """Time [s] and distance [m] from one measurement to another, and at most from where that led.
 
-    A position that repeats or is not known is no jump, nor is the first one after it.
+    A position that repeats or is not known is no jump. Nor is the first one after it: the aircraft
+    is where it has flown meanwhile, or stood there, as one does that waits in a simulation.
     """
     step = after.stamp - before.stamp
     if _same(before.position, after.position) or not (before.placed and after.placed):
         return step, 0.0
-    x, y, z = (after.position - before.position - flown).tolist()
-    return step, math.sqrt(x * x + y * y + z * z)
+    apart = after.position - before.position
+    return step, min(math.hypot(*apart.tolist()), math.hypot(*(apart - flown).tolist()))
 
 
 def _repeats(before: Measurement, after: Measurement) -> bool:
