@@ -31,7 +31,7 @@ from rclpy.serialization import serialize_message
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.nodes import autopilot_link
-from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
+from uav_tracking_mpc.nodes.autopilot_link import ANSWERS, AutopilotLink
 from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometry, nanoseconds
 from uav_tracking_mpc.nodes.ros.diagnostics import ERROR, OK, WARN
 from uav_tracking_mpc.nodes.topics import COMMAND, ENGAGED, ODOMETRY, TARGET_ODOMETRY
@@ -144,7 +144,7 @@ def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(made)
 
 
 def test_it_engages_by_service_and_says_so(made):
-    assert engage(made) == (True, "")
+    assert engage(made) == (True, ANSWERS[True])
     made._on_command(command(time.time_ns()))
     made._look()
     assert status(made) == (OK, "paced: the commands are flown")
@@ -153,7 +153,7 @@ def test_it_engages_by_service_and_says_so(made):
     made._on_command(command(time.time_ns()))
     assert status(made) == (ERROR, "paced: the commands are refused")
     assert made._values()["last refusal"] == "too windy"
-    assert engage(made, False)[0]
+    assert engage(made, False) == (True, ANSWERS[False])
     made._look()
     assert made.sent[ENGAGED.name][-1][1].data is False
 

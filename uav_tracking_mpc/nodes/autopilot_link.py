@@ -55,6 +55,10 @@ LOOK_PERIOD = 0.1  # s between looks at how the link is
 TELL_PERIOD = 1.0  # s between messages that say whether the commands are flown
 SILENCE = 1.0  # s without a state, after which it is missed
 SWITCH_INTERVAL = 1e-4  # s that a thread may keep another, which has a set-point to send, waiting
+ANSWERS = {  # to who asks it to engage, or to disengage
+    True: "asked for: uav/engaged is true once the aircraft flies the commands",
+    False: "disengaged: nothing is commanded until it is engaged again",
+}
 ORBIT_AGE = 2.0  # s by which an orbit may be older than the command
 ESTIMATED = {"airspeed": SPEED_LIMIT, "surplus": RATE_LIMIT}  # m/s, rad/s: by the controller
 
@@ -293,8 +297,8 @@ class AutopilotLink(VehicleNode):
 
     def _on_engage(self, request: Any, response: Any) -> Any:
         self._wanted = False
-        words = self._engage() if request.data else self._guarded(self._link.disengage)
-        response.success, response.message = not words, words
+        refused = self._engage() if request.data else self._guarded(self._link.disengage)
+        response.success, response.message = not refused, refused or ANSWERS[request.data]
         return response
 
     def _engage(self) -> str:
