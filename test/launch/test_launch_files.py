@@ -15,6 +15,7 @@
 """The launch files start the right nodes, with parameters that they know, where they belong."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import launch_stand_in
@@ -28,6 +29,7 @@ from uav_tracking_mpc.settings.configuration import (
     SECTIONS,
     configuration_folder,
     load_configuration,
+    read_yaml,
 )
 
 FOLDER = Path(__file__).parents[2] / "launch"
@@ -207,6 +209,10 @@ def test_the_packages_of_ros_take_the_same_files():
         if type(process) is not Process:
             process._perform_substitutions(context)
             names.append(process.node_name)
+            words = ["".join(getattr(part, "text", "") for part in word) for word in process.cmd]
+            for flag, file in pairwise(words):
+                if flag == "--params-file":
+                    assert read_yaml(Path(file), "parameter file")
     *fleet, viewer = names
     assert fleet == [
         f"/uav{k}/{name}"
