@@ -186,6 +186,17 @@ def test_an_outlier_is_not_answered_and_said_so(flying):
     assert flying.step(measured(0.1), 0.1) is not None
 
 
+def test_an_aircraft_that_is_elsewhere_goes_on_about_its_target(constant):
+    constant.see_target(0.0, STILL)
+    assert constant.step(measured(0.0), 0.0) is not None
+    elsewhere = (900.0, 0.0, 100.0)
+    answers = [constant.step(measured(k * TICK, elsewhere), k * TICK) for k in range(1, 6)]
+    given = [answer.mode for answer in answers if answer is not None]
+    assert given
+    assert set(given) == {FallbackMode.OPTIMAL}
+    assert any("starting anew" in event.words for event in constant.events.take())
+
+
 def test_when_time_has_gone_back_everything_begins_anew(constant):
     constant.see_target(100.0, STILL)
     assert constant.step(measured(100.0), 100.0) is not None

@@ -137,9 +137,10 @@ class Controller:
         if softened and self.formulation is not None:
             self.formulation.soften(self.response.softening.factors)
         self._forget()
+        self.navigator.target.reset()
 
     def _forget(self) -> None:
-        """Forget what belongs to a time or a place that is no more."""
+        """Forget what belongs to a time or a place that is no more; the target has not moved."""
         for part in (self.navigator, self.rate, self._shaper, self._plan, self._shortfall):
             part.reset()
         self.response.interrupt()
@@ -356,13 +357,15 @@ class Controller:
         self, measurement: Measurement, arrival: float, now: float
     ) -> tuple[Measurement, NDArray[np.float64]] | None:
         """See :meth:`AirData.see_state`; None if the measurement is not to be used."""
-        verdict = self._gate.judge(measurement, arrival, now)
+        before, verdict = self.state_time, self._gate.judge(measurement, arrival, now)
         reason = f"vehicle state: {self._gate.reason}"
         if verdict is Verdict.DOUBT:
             self.events.add(Level.REFUSAL, f"{reason}; used if the next ones agree")
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
             self._forget()
+            if before is not None and measurement.stamp < before:
+                self.navigator.target.reset()  # it was seen in a time that is no more
         if verdict not in (Verdict.USE, Verdict.RESTART):
             return None
         measurement, vehicle = self.navigator.air.see_state(measurement)

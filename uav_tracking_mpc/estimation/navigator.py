@@ -140,9 +140,8 @@ class Navigator:
         self._history.memory = 2.0 * max(self._dead_time) + 2.0 * self._latest
 
     def reset(self) -> None:
-        """Forget air, target and commands."""
+        """Forget aircraft, air and commands; the target is where it was."""
         self.air.reset()
-        self.target.reset()
         self._history.reset()
         self.air_estimate.reset()
         self.wind = np.zeros(3)
