@@ -327,7 +327,8 @@ def test_a_stage_flies_the_shares_nearest_to_what_the_law_wants():
         flown = [float(u) for u in flight.inputs(expected, state, data)]
         drift = Drift(now.drift.tolist(), now.drift_rate.tolist())
         numbers = model.numbers(step).tolist()
-        shares, following = map(np.ravel, flight.law_stage(x_0, wanted, data))
+        followed = flight.law_stage(x_0, wanted, data)
+        shares, following = (each.full().ravel() for each in followed)
         np.testing.assert_allclose(shares, expected, atol=1e-12)
         np.testing.assert_allclose(
             following, model.step(state, flown, step, numbers, drift), rtol=1e-12, atol=1e-12
