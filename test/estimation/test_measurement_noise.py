@@ -22,7 +22,7 @@ from uav_tracking_mpc.estimation.measurement_noise import RATIO_MAX, SPAN, Measu
 def seen(times, positions, told=0.1):
     noise = MeasurementNoise()
     for time, position in zip(times, positions, strict=True):
-        noise.see(time, np.asarray(position, dtype=float), told**2)
+        noise.see(time, np.asarray(position, dtype=float), np.full(3, told**2))
     return noise
 
 
@@ -38,14 +38,16 @@ def test_the_noise_of_a_run_is_found(sigma):
     found = []
     for seed in range(10):
         times = np.cumsum(random.uniform(0.05, 0.4, 100))  # irregular
-        found.append(0.1 * np.sqrt(seen(times, scattered(times, sigma, seed)).scale))
+        found.append(0.1 * np.sqrt(seen(times, scattered(times, sigma, seed)).scales[0]))
     assert np.mean(found) == pytest.approx(sigma, rel=0.08)
     assert np.std(found) < 0.15 * sigma
 
 
 def test_noise_told_far_too_small_is_found_in_a_second():
     times = 0.2 * np.arange(6)
-    found = [0.1 * np.sqrt(seen(times, scattered(times, 5.0, seed)).scale) for seed in range(20)]
+    found = [
+        0.1 * np.sqrt(seen(times, scattered(times, 5.0, seed)).scales[0]) for seed in range(20)
+    ]
     assert min(found) > 1.0
     assert np.median(found) == pytest.approx(5.0, rel=0.4)
 
@@ -53,10 +55,10 @@ def test_noise_told_far_too_small_is_found_in_a_second():
 def test_before_anything_is_measured_what_is_told_counts():
     times = 0.2 * np.arange(2)
     noise = seen(times, scattered(times, 5.0))
-    assert noise.scale == 1.0 and not noise.known
-    noise.see(0.4, np.zeros(3), 0.01)
+    assert (noise.scales == 1.0).all() and not noise.known
+    noise.see(0.4, np.zeros(3), np.full(3, 0.01))
     noise.reset()
-    assert noise.scale == 1.0
+    assert (noise.scales == 1.0).all()
 
 
 def test_turns_jumps_and_outliers_are_no_noise():
@@ -65,14 +67,14 @@ def test_turns_jumps_and_outliers_are_no_noise():
     positions[60:, :2] = positions[60:, :2] @ [[0.0, 1.0], [-1.0, 0.0]]  # a turn and a jump
     positions[100:] += 300.0
     positions[::10] += np.random.default_rng(3).uniform(50.0, 500.0, (20, 3))
-    assert 0.1 * np.sqrt(seen(times, positions).scale) == pytest.approx(0.2, rel=0.5)
+    assert 0.1 * np.sqrt(seen(times, positions).scales[0]) == pytest.approx(0.2, rel=0.5)
 
 
 def test_a_circle_hardly_counts_as_noise():
     times = 0.2 * np.arange(100)
     angle = 0.05 * times
     circle = 100.0 * np.array([np.cos(angle), np.sin(angle), 0.0 * angle]).T
-    assert 0.1 * np.sqrt(seen(times, circle).scale) < 0.01
+    assert 0.1 * np.sqrt(seen(times, circle).scales[0]) < 0.01
 
 
 def test_variances_that_differ_are_weighed():
@@ -80,16 +82,23 @@ def test_variances_that_differ_are_weighed():
     random, noise = np.random.default_rng(5), MeasurementNoise()
     for k in range(60):
         sigma = 2.0 if k % 2 else 0.2
-        noise.see(0.2 * k, sigma * random.standard_normal(3), sigma**2)
-    assert noise.scale == pytest.approx(1.0, rel=0.4)
+        noise.see(0.2 * k, sigma * random.standard_normal(3), np.full(3, sigma**2))
+    assert noise.scales[0] == pytest.approx(1.0, rel=0.4)
+
+
+@pytest.mark.parametrize("sigma", [[0.2, 0.2, 4.0], [5.0, 0.3, 0.3], [1e-3, 1e-3, 1.0]])
+def test_axes_that_differ_much_have_factors_of_their_own(sigma):
+    times = 0.2 * np.arange(240)
+    found = 0.1 * np.sqrt(seen(times, scattered(times, np.array(sigma))).scales)
+    assert found == pytest.approx(sigma, rel=0.25, abs=2e-3)
 
 
 @pytest.mark.parametrize("gap", [SPAN + 1.0, 1e-3 * 0.1 / RATIO_MAX, 1e-300])
 def test_what_says_nothing_of_noise_is_left_out(gap):
     noise = MeasurementNoise()
     for time in (0.0, gap, gap + 0.1):
-        noise.see(time, np.array([1e6 * time, 0.0, 0.0]) ** 2, 0.01)
-    assert noise.scale == 1.0
+        noise.see(time, np.array([1e6 * time, 0.0, 0.0]) ** 2, np.full(3, 0.01))
+    assert (noise.scales == 1.0).all()
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 24, 239, 240])

@@ -38,7 +38,7 @@ def ahead(travelled=0.3, left=1.0, faded=FADED, turn_rate=0.2):
 def test_target_wind_gust_and_what_fades_add_up(travelled, left, turn_rate):
     target, drift, drift_rate = ahead(travelled, left, turn_rate=turn_rate)
     leads = travelled + left * AHEAD
-    p, v, a = TurnPrediction()(STATE, 0.04 * np.eye(3), turn_rate, leads)
+    p, v, a = TurnPrediction()(STATE, 0.04, turn_rate, leads)
     share = np.exp(-AHEAD / FADE_TIME)[:, np.newaxis]
     gust = np.exp(-AHEAD[:, np.newaxis] / TIMES) * GUST
     np.testing.assert_allclose(target, p + share * FADED[:3], atol=1e-9)
@@ -49,7 +49,7 @@ def test_target_wind_gust_and_what_fades_add_up(travelled, left, turn_rate):
 
 def test_a_track_is_not_followed_further_back_than_it_reaches():
     back = ahead(travelled=-5.0, left=0.0, faded=np.zeros(6))
-    least = TurnPrediction()(STATE, 0.04 * np.eye(3), 0.2, np.array([-1.0]))[0]
+    least = TurnPrediction()(STATE, 0.04, 0.2, np.array([-1.0]))[0]
     np.testing.assert_allclose(back[0], np.tile(least[0], (len(AHEAD), 1)), atol=1e-9)
 
 

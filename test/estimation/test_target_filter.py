@@ -330,8 +330,23 @@ def test_heights_that_scatter_much_more_than_places_spoil_neither(level):
             worst_height = max(worst_height, abs(error[2]))
             worst_climb = max(worst_climb, abs(estimate.velocity[2] - 0.3))
     assert worst_place < 0.01 + 2.0 * level
-    assert worst_height < 3.0
+    assert worst_height < 5.0  # one deviation
     assert worst_climb < 0.5
+
+
+@pytest.mark.parametrize("deviations", [[5.0, 0.3, 0.3], [0.3, 5.0, 0.3], [2.5, 2.5, 0.2]])
+@pytest.mark.parametrize("told", [False, True])
+def test_noise_that_is_far_greater_on_one_axis_is_no_turn(deviations, told):
+    """One number for all axes is too small for it: velocities were 1.3 to 3.7 m/s off (RMS)."""
+    random, target = np.random.default_rng(3), TargetFilter(0.5, 0.5)
+    covariance, errors = np.diag(np.square(deviations)) if told else None, []
+    for time in np.arange(0.0, 150.0, 0.1):
+        position = straight(time) + deviations * random.standard_normal(3)
+        target.update(time, position, covariance=covariance)
+        if time > 30.0:
+            errors.append(target.predict(time).velocity - straight(1.0))
+    assert np.sqrt(np.mean(np.square(errors))) < 0.1
+    assert target.jumps == 0
 
 
 @pytest.mark.parametrize("interval", [0.1, 1.0])

@@ -43,12 +43,12 @@ class Textbook:
 
     def mixture(self, shares):
         mean = sum(share * state for share, state in zip(shares, self.states, strict=True))
-        covariance = np.zeros((3, 3))
+        covariances = np.zeros((3, 3, 3))
         for share, state, own in zip(shares, self.states, self.covariances, strict=True):
-            covariance += share * (own + (state - mean) @ (state - mean).T / 3.0)
-        return mean, covariance
+            covariances += share * (own + (state - mean) @ (state - mean).T / 3.0)
+        return mean, covariances
 
-    def update(self, elapsed, position, variance, velocity=None):
+    def update(self, elapsed, position, variances, velocity=None):
         total = RATES.sum(axis=1)
         changes = RATES / total[:, None] * -np.expm1(-total * elapsed)[:, None]
         changes += np.diag(np.exp(-total * elapsed))
@@ -64,59 +64,69 @@ class Textbook:
             x, P = F @ x, F @ P @ F.T + AGILITIES[mode] ** 2 * Q
             if mode == TURN:  # at a moment of the interval, each as likely as the other
                 turned = np.array([[elapsed**2 / 3.0, elapsed / 2.0], [elapsed / 2.0, 1.0]])
-                P[:2, :2] += max(speed, TURN_SPEED) ** 2 * turned
+                P[:, :2, :2] += max(speed, TURN_SPEED) ** 2 * turned
             states.append(x)
             covariances.append(P)
         self.states, self.covariances, self.probabilities = states, covariances, predicted
-        self.correct(np.eye(3)[:1], position, variance)
+        self.correct(np.eye(3)[0], position, variances)
         if velocity is not None:
-            self.correct(np.eye(3)[1:2], *velocity)
+            self.correct(np.eye(3)[1], *velocity)
 
-    def correct(self, H, measured, variance):
+    def correct(self, H, measured, variances):
         likelihoods = []
         for mode in MODES:
             x, P = self.states[mode], self.covariances[mode]
-            innovation = measured - H @ x
+            innovations, own = measured - H @ x, [H @ P[axis] @ H for axis in range(3)]
             chances = []
             for chance, times in ((1.0, 1.0), (np.exp(OUTLIER_WEIGHT), OUTLIER_VARIANCE)):
-                density = multivariate_normal(cov=(H @ P @ H.T)[0, 0] + times * variance)
-                chances.append(chance * np.prod(density.pdf(innovation[0])))
+                density = multivariate_normal(cov=np.diag(own + times * variances))
+                chances.append(chance * density.pdf(innovations))
             likelihoods.append(sum(chances))
-            information = (chances[0] + chances[1] / OUTLIER_VARIANCE) / sum(chances) / variance
-            K = P @ H.T / ((H @ P @ H.T)[0, 0] + 1.0 / information)
-            self.states[mode] = x + K @ innovation
-            self.covariances[mode] = P - K @ H @ P
+            information = (chances[0] + chances[1] / OUTLIER_VARIANCE) / sum(chances) / variances
+            for axis in range(3):
+                K = P[axis] @ H / (own[axis] + 1.0 / information[axis])
+                x[:, axis] += K * innovations[axis]
+                P[axis] -= np.outer(K, H @ P[axis])
         self.probabilities = self.probabilities * likelihoods
         self.probabilities /= self.probabilities.sum()
 
 
 @pytest.mark.parametrize("run", [0.0, 5.0])
 @pytest.mark.parametrize("sees_velocity", [False, True])
-def test_the_textbook_agrees(run, sees_velocity):
+@pytest.mark.parametrize("deviations", [[1.0, 1.0, 1.0], [3.0, 0.3, 1.0]])
+def test_the_textbook_agrees(run, sees_velocity, deviations):
     """A target that stands or turns back half-way, and an outlier now and then."""
-    random, time = np.random.default_rng(1), 0.0
-    track = TargetTrack(0.0, np.zeros(3), 1.0, 0.5, 5.0)
+    random, time, variances = np.random.default_rng(1), 0.0, np.square(deviations)
+    track = TargetTrack(0.0, np.zeros(3), variances, 0.5, 5.0)
     plain = Textbook(track)
     for elapsed in random.uniform(0.05, 0.6, 60):
         time += elapsed
         direction = 1.0 if time < 10.0 else -1.0
         place = np.array([run * min(time, 20.0 - time), -2.0 * time, 0.0])
-        position, velocity = place + random.choice([1.0, 4.0]) * random.standard_normal(3), None
+        position = place + random.choice([1.0, 4.0]) * np.sqrt(variances) * random.standard_normal(
+            3
+        )
+        velocity = None
         if sees_velocity:
-            velocity = np.array([run * direction, -2.0, 0.0]) + 0.2 * random.standard_normal(3), 0.1
-        assert track.update(time, position, 1.0, np.inf, velocity)
-        plain.update(elapsed, position, 1.0, velocity)
+            velocity = (
+                np.array([run * direction, -2.0, 0.0]) + 0.2 * random.standard_normal(3),
+                np.full(3, 0.1),
+            )
+        assert track.update(time, position, variances, np.inf, velocity)
+        plain.update(elapsed, position, variances, velocity)
         np.testing.assert_allclose(track.probabilities, plain.probabilities, atol=1e-9)
-        state, covariance = plain.mixture(plain.probabilities)
+        state, covariances = plain.mixture(plain.probabilities)
         np.testing.assert_allclose(track.state, state, rtol=1e-6, atol=1e-7)
-        np.testing.assert_allclose(track.covariance, covariance, rtol=1e-6, atol=1e-7)
+        np.testing.assert_allclose(track.covariances, covariances, rtol=1e-6, atol=1e-7)
 
 
 def flown(path, noise, seconds, rate=5.0, seed=0):
     random = np.random.default_rng(seed)
-    track = TargetTrack(0.0, path(0.0), noise, 0.5, 5.0)
+    track = TargetTrack(0.0, path(0.0), np.full(3, noise**2), 0.5, 5.0)
     for time in np.arange(1.0, seconds * rate) / rate:
-        track.update(time, path(time) + noise * random.standard_normal(3), noise**2, 16.27)
+        track.update(
+            time, path(time) + noise * random.standard_normal(3), np.full(3, noise**2), 16.27
+        )
     return track
 
 
@@ -154,32 +164,36 @@ def test_the_agility_is_that_of_the_target():
 
 
 def test_the_modes_begin_with_the_agility_that_is_told():
-    begun = [TargetTrack(0.0, np.zeros(3), 1.0, agility, 5.0) for agility in (1e-3, 0.1, 1.0, 1e2)]
+    begun = [
+        TargetTrack(0.0, np.zeros(3), np.ones(3), agility, 5.0) for agility in (1e-3, 0.1, 1.0, 1e2)
+    ]
     assert np.all(np.diff([track.agility for track in begun]) >= 0.0)
     assert begun[0].probabilities[QUIET] > 0.9
     assert all(track.probabilities[TURN] < 1e-9 for track in begun)
 
 
 def test_a_doubted_variance_lets_no_noise_become_speed():
-    sure, doubting = (TargetTrack(0.0, np.zeros(3), 0.1, 0.5, 5.0) for _ in range(2))
+    sure, doubting = (TargetTrack(0.0, np.zeros(3), np.full(3, 0.01), 0.5, 5.0) for _ in range(2))
     position = np.array([3.0, 0.0, 0.0])
-    sure.update(0.2, position, 0.01, np.inf)
-    doubting.update(0.2, position, 0.01, np.inf, doubted=True)
+    sure.update(0.2, position, np.full(3, 0.01), np.inf)
+    doubting.update(0.2, position, np.full(3, 0.01), np.inf, doubted=True)
     assert np.linalg.norm(sure.state[1]) > 10.0
     assert np.linalg.norm(doubting.state[1]) < 3.0
 
 
 def test_what_no_mode_explains_is_left_out_and_changes_nothing():
     track, other = flown(straight, 1.0, 10.0), flown(straight, 1.0, 10.0)
-    assert not track.update(10.0, np.array([1e3, 0.0, 0.0]), 1.0, 16.27)
+    assert not track.update(10.0, np.array([1e3, 0.0, 0.0]), np.ones(3), 16.27)
     np.testing.assert_array_equal(track.state, other.state)
     assert track.time == other.time
 
 
 def test_a_velocity_that_no_mode_explains_is_left_out():
     track, other = flown(straight, 1.0, 10.0), flown(straight, 1.0, 10.0)
-    track.update(10.0, straight(10.0), 1.0, 16.27, (np.array([1e3, 0.0, 0.0]), 0.04))
-    other.update(10.0, straight(10.0), 1.0, 16.27)
+    track.update(
+        10.0, straight(10.0), np.ones(3), 16.27, (np.array([1e3, 0.0, 0.0]), np.full(3, 0.04))
+    )
+    other.update(10.0, straight(10.0), np.ones(3), 16.27)
     np.testing.assert_array_equal(track.state, other.state)
 
 
@@ -192,11 +206,11 @@ def test_a_velocity_that_no_mode_explains_is_left_out():
     st.sampled_from([1e-3, 0.5, 100.0]),
 )
 def test_the_covariance_stays_positive_definite(steps, noise, agility):
-    track, time = TargetTrack(0.0, np.zeros(3), noise, agility, 5.0), 0.0
+    track, time = TargetTrack(0.0, np.zeros(3), np.full(3, noise**2), agility, 5.0), 0.0
     for elapsed, position in steps:
         time += elapsed
-        track.update(time, np.array(position), noise**2, gate=np.inf)
-        for covariance in (track.covariance, *track._covariances):
+        track.update(time, np.array(position), np.full(3, noise**2), gate=np.inf)
+        for covariance in (*track.covariances, *track._covariances.reshape(-1, 3, 3)):
             scale = np.sqrt(np.diag(covariance))
             assert np.all(scale > 0.0)
             assert np.linalg.eigvalsh(covariance / np.outer(scale, scale))[0] > 0.0

@@ -265,7 +265,7 @@ class Navigator:
         delay = max(self._dead_time) + min(max(self.latency, 0.0), self._latest)
         track = self.target.track
         motion, ground = track.state.reshape(-1), float(track.state[0, 2])
-        turning = float(track.covariance[2, 2]), track.turn_rate, *self.target.bridge(time)
+        turning = track.variance(2), track.turn_rate, *self.target.bridge(time)
         self._below = ground - float(measurement.position[2])
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
         self._time = time

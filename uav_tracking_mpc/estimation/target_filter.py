@@ -21,8 +21,8 @@ themselves (:mod:`~uav_tracking_mpc.estimation.measurement_noise`,
 A position that the track can hardly explain is left out. Should the next ones be left out too and
 agree with each other, then the target has jumped and the track starts anew from them. The noise is
 learned from all positions, those left out as well: told far too small, it is corrected within a
-second, and a good track is not left. It is the same on all axes, unless heights scatter much more
-than places: they are then followed by themselves, slowly.
+second, and a good track is not left. Each axis has its own, where a covariance tells it or the axes
+are seen to differ much.
 """
 
 from __future__ import annotations
@@ -33,12 +33,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.estimation.flight_path import Followed
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
 from uav_tracking_mpc.estimation.singer_motion import bridged
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
-from uav_tracking_mpc.estimation.target_track import Motion, TargetTrack
+from uav_tracking_mpc.estimation.target_track import LEVEL, Motion, TargetTrack
 from uav_tracking_mpc.estimation.turn_prediction import TurnPrediction
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
@@ -46,7 +45,6 @@ RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be 
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
 REWIND = 1.0  # s before the newest position for which an estimate is given
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
-SLOW_HEIGHT = 0.2  # rad/s, where heights are much noisier than places: targets hardly climb
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
 
 
@@ -58,7 +56,7 @@ class TargetEstimate:
         position: In ``map``, shape (3,), in [m].
         velocity: Shape (3,), in [m/s].
         acceleration: Shape (3,), in [m/s^2].
-        position_std: Standard deviation of the position on each axis in [m].
+        position_std: Standard deviation of the position on the worse level axis in [m].
     """
 
     position: NDArray[np.float64]
@@ -76,7 +74,8 @@ class TargetFilter:
         speed: Standard deviation of the velocity before anything is known of it in [m/s].
 
     Attributes:
-        noise: Standard deviation that was found of the newest measured position in [m].
+        noise: Standard deviation that was found of the newest measured position, on its worse level
+            axis, in [m].
         rejected: Positions left out so far because the track could not explain them.
         late: Positions left out so far because they were not newer than the newest, by their
             stamp or because they are the same.
@@ -102,8 +101,6 @@ class TargetFilter:
         self._track: TargetTrack | None = None
         self._rival: TargetTrack | None = None  # of positions left out in a row
         self._last = np.zeros(3)  # that was not late
-        self._height = Followed()
-        self._seen_height: float | None = None  # when in [s]
         self._scaling = MeasurementNoise()
         self._own = self._told  # the noise to which the scale belongs; 0 where covariances come
         self.noise = self._told
@@ -138,9 +135,9 @@ class TargetFilter:
             position: In ``map``, shape (3,), in [m].
             velocity: In ``map``, shape (3,), in [m/s]; None if it is not known.
             covariance: Of position, shape (3, 3), or of position and velocity, shape (6, 6), in
-                SI units; None, or a block of zeros, for the filter's own noise. Its largest
-                horizontal variance counts on every axis, and more than it where the positions
-                scatter more.
+                SI units; None, or a block of zeros, for the filter's own noise. Its diagonal
+                counts, and more than it where the positions scatter more; a height without a
+                variance is as uncertain as the worse of the others.
 
         Returns:
             False if it was left out: late, or not to be believed.
@@ -152,30 +149,26 @@ class TargetFilter:
         if not np.isfinite(time):
             raise MeasurementError(f"time of the target position is {time!r} s, must be finite")
         measured = _vector("target position", position)
-        told, velocity_variance = _variances(covariance)
+        told, velocity_variances = _variances(covariance)
         motion = None
         if velocity is not None:
-            motion = _vector("target velocity", velocity), velocity_variance
+            motion = _vector("target velocity", velocity), velocity_variances
         newest = self._track if self._rival is None else self._rival
         if newest is not None and (time <= newest.time or self._repeats(time, measured)):
             self.late += 1
             return False
         self._last = measured
-        variance = self._variance(time, measured, told)
-        measured = self._with_height(time, measured)
+        variances = self._variances(time, measured, told)
         doubted = told is None and not self._scaling.known
-        seen = time, measured, variance, GATE, motion, doubted
+        seen = time, measured, variances, GATE, motion, doubted
         if self._track is None or time - self._track.time > FORGOTTEN:
-            begun = self._begun(time, measured, motion, self._speed)
-            self._track, self._rival = begun, None
+            self._track, self._rival = self._begun(*seen[:3], motion, self._speed), None
             return True
         if self._track.update(*seen):
-            if self._scaling.uneven:
-                self._track.lift(self._height.value, self._height.rate)
             self._rival = None
             return True
         if self._rival is None or not self._rival.update(*seen):
-            self._rival = self._begun(time, measured, motion, RIVAL_SPEED * self._speed)
+            self._rival = self._begun(*seen[:3], motion, RIVAL_SPEED * self._speed)
         elif self._rival.count == AGREEING:
             self._track, self._rival = self._rival, None
             self.jumps += 1
@@ -188,38 +181,38 @@ class TargetFilter:
         if self._track is None or self._rival is not None or time - self._track.time > REPEATING:
             return False
         velocity = self._track.state[1]
-        moves = velocity @ velocity > GATE * self._track.covariance[1, 1]
+        moves = velocity @ velocity > GATE * self._track.variance(1)
         return bool(moves and np.array_equal(position, self._last))
 
-    def _with_height(self, time: float, position: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The position; its height is the expected one where heights are followed by themselves."""
-        height, before = self._height, self._seen_height
-        self._seen_height = time
-        if before is None or not self._scaling.uneven:
-            height.value, height.rate = float(position[2]), 0.0
-            return position
-        expected = height.value + (time - before) * height.rate
-        height.see(time - before, float(position[2]), SLOW_HEIGHT)
-        return np.array([position[0], position[1], expected])
+    def _variances(
+        self, time: float, position: NDArray[np.float64], told: NDArray[np.float64] | None
+    ) -> NDArray[np.float64]:
+        """Variances of a position on each axis in [m^2]: as told, as far as positions bear it out.
 
-    def _variance(self, time: float, position: NDArray[np.float64], told: float | None) -> float:
-        """Variance of a position in [m^2]: what is told, as far as the positions bear it out."""
+        Its own ones are corrected both ways, those of a covariance upwards alone.
+        """
         own = self._own or self._told if told is None else 0.0
         if own != self._own:  # covariances come from now on, or no longer
             self._scaling.reset()
             self._own = own
-        variance = own**2 if told is None else told
-        self._scaling.see(time, position, variance)
-        scale = self._scaling.scale
-        variance *= scale if told is None else max(scale, 1.0)
-        self.noise = max(math.sqrt(variance), NOISE_MIN)
-        return self.noise**2
+        begun = np.full(3, own**2) if told is None else told
+        self._scaling.see(time, position, begun)
+        scales = self._scaling.scales
+        scaled = begun * (scales if told is None else np.maximum(scales, 1.0))
+        variances = np.maximum(scaled, NOISE_MIN**2)
+        self.noise = math.sqrt(max(variances[LEVEL].tolist()))
+        return variances
 
     def _begun(
-        self, time: float, position: NDArray[np.float64], motion: Motion | None, speed: float
+        self,
+        time: float,
+        position: NDArray[np.float64],
+        variances: NDArray[np.float64],
+        motion: Motion | None,
+        speed: float,
     ) -> TargetTrack:
         """A track of one measurement."""
-        track = TargetTrack(time, position, self.noise, self._agility, speed)
+        track = TargetTrack(time, position, variances, self._agility, speed)
         if motion is not None:
             track.see_velocity(*motion, GATE)
         return track
@@ -238,7 +231,7 @@ class TargetFilter:
         return TargetEstimate(positions[0], velocities[0], accelerations[0], deviation)
 
     def position_std(self, time: float) -> float:
-        """Standard deviation of the position on each axis in [m].
+        """Standard deviation of the position on the worse level axis in [m].
 
         Args:
             time: When, in [s]; before the newest position that of the newest one stands in.
@@ -269,7 +262,7 @@ class TargetFilter:
         travelled, left = self.bridge(float(ages[0]) + track.time)
         leads = np.maximum(travelled + left * (ages - ages[0]), -REWIND)
         positions, velocities, accelerations = self._turn(
-            track.state, track.covariance, track.turn_rate, leads
+            track.state, track.variance(2), track.turn_rate, leads
         )
         return positions, left * velocities, left * left * accelerations
 
@@ -297,36 +290,34 @@ class TargetFilter:
         return self._track
 
 
-def _variances(covariance: ArrayLike | None) -> tuple[float | None, float]:
-    """Variances of position [m^2], None for the filter's own, and of velocity [m^2/s^2].
-
-    Horizontal ones: the vertical axis of a planar tracker has next to no information.
-    """
+def _variances(
+    covariance: ArrayLike | None,
+) -> tuple[NDArray[np.float64] | None, NDArray[np.float64]]:
+    """Variances of position [m^2], None for the filter's own, and of velocity [m^2/s^2]."""
+    position, velocity = None, np.full(3, VELOCITY_NOISE**2)
     if covariance is None:
-        return None, VELOCITY_NOISE**2
+        return position, velocity
     matrix = np.asarray(covariance, dtype=float)
     if matrix.shape not in ((3, 3), (6, 6)) or not np.isfinite(matrix).all():
         raise MeasurementError(
             f"covariance of the target has shape {matrix.shape}, must be (3, 3) or (6, 6) and "
             "finite"
         )
-    position, velocity = None, VELOCITY_NOISE**2
     if matrix[:3, :3].any():
-        position = _horizontal(matrix[:3, :3])
+        position = _of_axes(matrix[:3, :3])
     if matrix[3:, 3:].any():
-        velocity = _horizontal(matrix[3:, 3:])
+        velocity = _of_axes(matrix[3:, 3:])
     return position, velocity
 
 
-def _horizontal(covariance: NDArray[np.float64]) -> float:
-    """Largest horizontal variance, which must not be negative."""
-    (a, b, _), (c, d, _), _ = covariance.tolist()
-    largest = 0.5 * (a + d + math.hypot(a - d, b + c))
-    if not min(a, d) >= 0.0:
+def _of_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Variances of the axes, which must not be negative; some trackers tell none of the height."""
+    east, north, up = np.diagonal(covariance).tolist()
+    if not min(east, north) >= 0.0:
         raise MeasurementError(
             f"covariance of the target is {covariance.tolist()}, must not be negative"
         )
-    return max(largest, NOISE_MIN**2)
+    return np.maximum([east, north, up if up > 0.0 else max(east, north)], NOISE_MIN**2)
 
 
 def _vector(name: str, values: ArrayLike) -> NDArray[np.float64]:

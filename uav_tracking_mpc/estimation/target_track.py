@@ -31,7 +31,8 @@ and what little the quiet mode takes over from the others each time would end it
 seconds. Here the quiet mode goes on alone while its probability is above :data:`QUIET_LEAST`, and
 starts anew from the mixture below.
 
-The axes share their covariances, which makes a mode's covariance of shape (3, 3).
+Each axis has a noise and covariances of its own; what the axes have in common, as how far the modes
+are apart, counts on each of them alike.
 """
 
 from __future__ import annotations
@@ -63,15 +64,17 @@ OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
 SECOND = 4.0  # -, times the gate of a position: that of the second one, as no velocity is known
 ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
-Motion = tuple[NDArray[np.float64], float]  # velocity, shape (3,), and its variance [m^2/s^2]
+# Velocity [m/s] and its variances on each axis [m^2/s^2], shape (3,) each.
+Motion = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 _LEAVING = -RATES.sum(axis=1)
 _CHANGES = RATES / RATES.sum(axis=1, keepdims=True) - np.eye(len(RATES))
-_SQUARES = AGILITIES[:, np.newaxis, np.newaxis] ** 2  # m^2/s^4
+_SQUARES = AGILITIES[:, np.newaxis, np.newaxis, np.newaxis] ** 2  # m^2/s^4
 _TURN_POWERS = np.array([[2.0, 1.0], [1.0, 0.0]])  # -, of the time, in the entries of Q
 _TURN_SHARES = np.array([[1.0 / 3.0, 0.5], [0.5, 1.0]])  # -, likewise
 _IDENTITY = np.eye(3)  # -
 _SELECT = np.eye(2, 3)[:, np.newaxis, :]  # H of the position and of the velocity
+LEVEL = slice(0, 2)  # of the axes
 
 
 class TargetTrack:
@@ -80,7 +83,7 @@ class TargetTrack:
     Args:
         time: When it was first seen in [s].
         position: Where, shape (3,), in [m].
-        noise: Standard deviation of that position in [m].
+        variances: Of that position on each axis, shape (3,), in [m^2].
         agility: Standard deviation of the acceleration with which the modes begin in [m/s^2].
         speed: Standard deviation of the velocity before it is known in [m/s].
 
@@ -88,23 +91,28 @@ class TargetTrack:
         time: Of the newest position taken in, in [s].
         count: How many positions have been taken in.
         state: Position, velocity and acceleration at that time, rows of shape (3, 3).
-        covariance: Of (p, v, a) on each axis at that time, shape (3, 3).
+        covariances: Of (p, v, a) on each axis at that time, shape (3, 3, 3).
         turn_rate: Of the horizontal velocity, averaged over a few seconds, in [rad/s].
         probabilities: Of the modes, shape (4,), [-].
     """
 
     def __init__(
-        self, time: float, position: NDArray[np.float64], noise: float, agility: float, speed: float
+        self,
+        time: float,
+        position: NDArray[np.float64],
+        variances: NDArray[np.float64],
+        agility: float,
+        speed: float,
     ) -> None:
         count = len(AGILITIES)
         self.time, self.count = time, 1
         self.turn_rate = 0.0
         self._states = np.zeros((count, 3, 3))
         self._states[:, 0] = position
-        self._covariances = np.zeros((count, 3, 3))
-        self._covariances[:, 0, 0] = noise**2
-        self._covariances[:, 1, 1] = speed**2
-        self._covariances[:, 2, 2] = AGILITIES**2
+        self._covariances = np.zeros((count, 3, 3, 3))
+        self._covariances[..., 0, 0] = variances
+        self._covariances[..., 1, 1] = speed**2
+        self._covariances[..., 2, 2] = AGILITIES[:, np.newaxis] ** 2
         # The modes whose agility is nearest, by its logarithm; none begins with a turn.
         nearness = -0.5 * np.log(AGILITIES / agility) ** 2
         nearness[TURN] = -math.inf
@@ -121,21 +129,30 @@ class TargetTrack:
         """For how long it is taken to run on without being seen in [s]."""
         return STRAIGHT_TIME if self.probabilities[QUIET] > STRAIGHT else BRIDGE_TIME
 
+    def variance(self, order: int) -> float:
+        """Variance of a derivative of the position, mean of the level axes, in SI units.
+
+        Args:
+            order: Of the derivative, 0 to 2.
+        """
+        return float(self.covariances[LEVEL, order, order].mean())
+
     def position_std(self, age: float) -> float:
-        """Standard deviation of the position on each axis in [m].
+        """Standard deviation of the position on the worse level axis in [m].
 
         Args:
             age: Of the track, at least 0, in [s].
         """
         transition, noise = singer_motion(age)
         row = transition[0]
-        return math.sqrt(row @ self.covariance @ row + self.agility**2 * noise[0, 0])
+        worse = float((self.covariances[LEVEL] @ row @ row).max())
+        return math.sqrt(worse + self.agility**2 * noise[0, 0])
 
     def update(
         self,
         time: float,
         position: NDArray[np.float64],
-        variance: float,
+        variances: NDArray[np.float64],
         gate: float,
         motion: Motion | None = None,
         doubted: bool = False,
@@ -145,25 +162,25 @@ class TargetTrack:
         Args:
             time: When it was measured, after that of the track, in [s].
             position: Shape (3,), in [m].
-            variance: Of the position on each axis in [m^2].
+            variances: Of the position on each axis, shape (3,), in [m^2].
             gate: Greatest squared normalised innovation of the mode that explains it best,
                 chi-square of 3 degrees of freedom, [-]; wider for the second position of a track.
-            motion: Velocity, shape (3,), in [m/s] and its variance in [m^2/s^2], or None; it is
-                left out by itself where it exceeds the gate.
-            doubted: Whether the variance is little more than a guess: the innovation then counts
+            motion: Velocity and its variances, or None; it is left out by itself where it exceeds
+                the gate.
+            doubted: Whether the variances are little more than a guess: the innovation then counts
                 as noise of this position and of the one before, not as motion.
         """
         elapsed, gate = time - self.time, gate * (SECOND if self.count == 1 else 1.0)
         predicted, states, covariances = self._predicted(elapsed)
         innovations = position - states[:, 0]
-        squares = (innovations * innovations).sum(axis=1)
-        if not (squares <= gate * (covariances[:, 0, 0] + variance)).any():
+        squares = innovations * innovations
+        if not ((squares / (covariances[..., 0, 0] + variances)).sum(axis=1) <= gate).any():
             return False
         if doubted:
-            variance = max(variance, float(squares[QUIET]) / 3.0)
-            covariances[:, 0, 0] = np.maximum(covariances[:, 0, 0], variance)
+            variances = np.maximum(variances, squares[QUIET].mean())
+            covariances[..., 0, 0] = np.maximum(covariances[..., 0, 0], variances)
         self._states, self._covariances = states, covariances
-        self._weigh(np.log(predicted) + self._correct(0, innovations, squares, variance))
+        self._weigh(np.log(predicted) + self._correct(0, innovations, variances))
         self._merge()
         self.time, self.count = time, self.count + 1
         if motion is not None:
@@ -171,30 +188,22 @@ class TargetTrack:
         self._average_turn(elapsed)
         return True
 
-    def see_velocity(self, velocity: NDArray[np.float64], variance: float, gate: float) -> None:
+    def see_velocity(
+        self, velocity: NDArray[np.float64], variances: NDArray[np.float64], gate: float
+    ) -> None:
         """Take in a velocity of the track's time unless its innovation exceeds the gate.
 
         Args:
             velocity: Shape (3,), in [m/s].
-            variance: On each axis in [m^2/s^2].
+            variances: On each axis, shape (3,), in [m^2/s^2].
             gate: Greatest squared normalised innovation of the mode that explains it best, [-].
         """
         innovations = velocity - self._states[:, 1]
-        squares = (innovations * innovations).sum(axis=1)
-        if (squares <= gate * (self._covariances[:, 1, 1] + variance)).any():
-            weights = self._correct(1, innovations, squares, variance)
+        expected = self._covariances[..., 1, 1] + variances
+        if ((innovations * innovations / expected).sum(axis=1) <= gate).any():
+            weights = self._correct(1, innovations, variances)
             self._weigh(np.log(self.probabilities) + weights)
             self._merge()
-
-    def lift(self, height: float, climb: float) -> None:
-        """Put the target at a height, which is followed by itself.
-
-        Args:
-            height: In [m].
-            climb: In [m/s].
-        """
-        self._states[:, :, 2] = height, climb, 0.0
-        self.state[:, 2] = height, climb, 0.0
 
     def _predicted(
         self, elapsed: float
@@ -215,7 +224,7 @@ class TargetTrack:
         # The velocity becomes another one at a moment of the interval that is not known.
         (vx, vy, vz) = self.state[1].tolist()
         square = max(TURN_SPEED**2, vx * vx + vy * vy + vz * vz)
-        covariances[TURN, :2, :2] += square * _TURN_SHARES * elapsed**_TURN_POWERS
+        covariances[TURN, :, :2, :2] += square * _TURN_SHARES * elapsed**_TURN_POWERS
         if elapsed <= self.held:
             return predicted, transition @ states, covariances
         travelled, left = bridged(elapsed, self.held)
@@ -224,31 +233,27 @@ class TargetTrack:
         return predicted, states, covariances
 
     def _correct(
-        self,
-        order: int,
-        innovations: NDArray[np.float64],
-        squares: NDArray[np.float64],
-        variance: float,
+        self, order: int, innovations: NDArray[np.float64], variances: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Kalman correction by a measured derivative of order 0 or 1; log-likelihoods."""
-        covariances = self._covariances
-        own = covariances[:, order, order]
-        usual = -1.5 * np.log(own + variance) - 0.5 * squares / (own + variance)
-        wide = own + OUTLIER_VARIANCE * variance
-        unusual = OUTLIER_WEIGHT - 1.5 * np.log(wide) - 0.5 * squares / wide
+        covariances, squares = self._covariances, innovations * innovations
+        own = covariances[..., order, order]
+        total, wide = own + variances, own + OUTLIER_VARIANCE * variances
+        usual = -0.5 * (np.log(total) + squares / total).sum(axis=1)
+        unusual = OUTLIER_WEIGHT - 0.5 * (np.log(wide) + squares / wide).sum(axis=1)
         likelihoods = np.logaddexp(usual, unusual)
         # The information of a measurement that may be an outlier is the mean of both.
-        outlier = np.exp(unusual - likelihoods)
-        noise = variance / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
-        gains = covariances[:, :, order] / (own + noise)[:, np.newaxis]
-        columns = gains[:, :, np.newaxis]
-        self._states = self._states + columns * innovations[:, np.newaxis, :]
+        outlier = np.exp(unusual - likelihoods)[:, np.newaxis]
+        noise = variances / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
+        gains = covariances[..., order] / (own + noise)[..., np.newaxis]
+        columns = gains[..., np.newaxis]
+        self._states = self._states + gains.swapaxes(1, 2) * innovations[:, np.newaxis, :]
         # Joseph's form, and what was rounded off where a correction takes nearly all away.
         remaining = _IDENTITY - columns * _SELECT[order]
-        corrected = remaining @ covariances @ remaining.transpose(0, 2, 1)
-        corrected += (noise[:, np.newaxis, np.newaxis] * columns) * gains[:, np.newaxis, :]
+        corrected = remaining @ covariances @ remaining.swapaxes(2, 3)
+        corrected += noise[..., np.newaxis, np.newaxis] * columns * gains[..., np.newaxis, :]
         corrected += ROUNDING * _IDENTITY * covariances
-        self._covariances = 0.5 * (corrected + corrected.transpose(0, 2, 1))
+        self._covariances = 0.5 * (corrected + corrected.swapaxes(2, 3))
         return likelihoods
 
     def _weigh(self, logarithms: NDArray[np.float64]) -> None:
@@ -257,16 +262,16 @@ class TargetTrack:
         self.probabilities = weights / weights.sum()
 
     def _merge(self) -> None:
-        """State and covariance of the mixture of all modes."""
+        """State and covariances of the mixture of all modes."""
         origin = self._states[QUIET]
         shares = self.probabilities[np.newaxis]
         states, covariances = _mixtures(shares, self._states - origin, self._covariances)
-        self.state, self.covariance = states[0] + origin, covariances[0]
+        self.state, self.covariances = states[0] + origin, covariances[0]
 
     def _average_turn(self, elapsed: float) -> None:
         (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
         # A velocity within its own uncertainty has no direction to turn.
-        square = max(vx * vx + vy * vy, 9.0 * float(self.covariance[1, 1]))
+        square = max(vx * vx + vy * vy, 9.0 * self.variance(1))
         share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
         self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
 
@@ -274,17 +279,17 @@ class TargetTrack:
 def _mixtures(
     shares: NDArray[np.float64], states: NDArray[np.float64], covariances: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean and covariance of mixtures, the latter averaged over the axes.
+    """Mean and covariances of mixtures; by how far the modes are apart, averaged over the axes.
 
     Args:
         shares: Of each mode in each mixture, shape (n, 4).
         states: Of the modes, shape (4, 3, 3).
-        covariances: Of the modes, shape (4, 3, 3).
+        covariances: Of the modes on each axis, shape (4, 3, 3, 3).
     """
     count = len(shares)
     means = (shares @ states.reshape(-1, 9)).reshape(count, 3, 3)
     # sum_i w_i (x_i - m) (x_i - m)' as one product: the columns are modes and axes.
     apart = (states - means[:, np.newaxis]) * np.sqrt(shares / 3.0)[:, :, np.newaxis, np.newaxis]
     apart = apart.transpose(0, 2, 1, 3).reshape(count, 3, -1)
-    spread = (shares @ covariances.reshape(-1, 9)).reshape(count, 3, 3)
-    return means, spread + apart @ apart.transpose(0, 2, 1)
+    spread = (shares @ covariances.reshape(-1, 27)).reshape(count, 3, 3, 3)
+    return means, spread + (apart @ apart.swapaxes(1, 2))[:, np.newaxis]

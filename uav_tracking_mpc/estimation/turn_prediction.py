@@ -50,7 +50,7 @@ class TurnPrediction:
     def __call__(
         self,
         state: NDArray[np.float64],
-        covariance: NDArray[np.float64],
+        variance: float,
         turn_rate: float,
         leads: NDArray[np.float64],
     ) -> NDArray[np.float64]:
@@ -58,15 +58,15 @@ class TurnPrediction:
 
         Args:
             state: Position, velocity, acceleration now, rows of shape (3, 3).
-            covariance: Of (p, v, a) on each axis, positive definite, shape (3, 3).
+            variance: Of the acceleration on each axis in [m^2/s^4].
             turn_rate: omega in [rad/s].
             leads: Times ahead, shape (n,), in [s].
 
         Returns:
             Shape (3, n, 3): positions, velocities, accelerations.
         """
-        motion, variance, rate, lead = self._turn.arguments
-        motion[:], variance[0], rate[0] = state.reshape(-1), covariance[2, 2], turn_rate
+        motion, uncertain, rate, lead = self._turn.arguments
+        motion[:], uncertain[0], rate[0] = state.reshape(-1), variance, turn_rate
         rows = np.empty((len(leads), 9))
         for row, ahead in zip(rows, leads.tolist(), strict=True):
             lead[0] = ahead
