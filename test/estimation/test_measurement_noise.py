@@ -93,6 +93,17 @@ def test_axes_that_differ_much_have_factors_of_their_own(sigma):
     assert found == pytest.approx(sigma, rel=0.25, abs=2e-3)
 
 
+@pytest.mark.parametrize("least", [1e-153, 1e-100, 1e-9])
+def test_noise_that_is_hardly_any_leaves_the_factors_finite(least):
+    """And what is then noise is not divided by it."""
+    noise, random = MeasurementNoise(), np.random.default_rng(0)
+    for k in range(600):
+        place = (1e6 if k > 200 else least) * random.standard_normal()
+        noise.see(0.1 * k, np.array([place, 0.0, 0.0]), np.full(3, 1e-6))
+        assert np.isfinite(noise.scales).all()
+        assert (noise.scales > 0.0).all()
+
+
 @pytest.mark.parametrize("gap", [SPAN + 1.0, 1e-3 * 0.1 / RATIO_MAX, 1e-300])
 def test_what_says_nothing_of_noise_is_left_out(gap):
     noise = MeasurementNoise()

@@ -127,7 +127,8 @@ class MeasurementNoise:
         uneven = most > (EVEN if self._uneven else UNEVEN) * min(own)
         uneven = uneven and sum(one * other for one, other in pairwise(noisiest)) < 0.0
         if uneven or self._uneven:
-            self._shares = [max(each, SHARE_MIN * most) if uneven else 1.0 for each in own]
+            least = max(SHARE_MIN * most, SCALE_MIN)
+            self._shares = [max(each, least) if uneven else 1.0 for each in own]
             self._axes = deque(list(self._axes)[-COMPARED:], maxlen=WINDOW)
             self._squares = deque(map(self._sum, self._axes), maxlen=WINDOW)
             self._usual = _quantile(self._squares) if uneven else CHI_SQUARE
