@@ -197,6 +197,17 @@ def test_an_aircraft_that_is_elsewhere_goes_on_about_its_target(constant):
     assert any("starting anew" in event.words for event in constant.events.take())
 
 
+def test_the_airspeed_of_an_aircraft_that_is_elsewhere_is_still_measured(seeing):
+    """It comes by itself, after its state; it was said that nobody measured it."""
+    for k in range(12):
+        stamp, place = k * TICK, (900.0, 0.0, 120.0) if k > 5 else (300.0, 0.0, 120.0)
+        seeing.step(measured(stamp, place, airspeed=None), stamp)
+        seeing.see_air(stamp, 22.0)
+    told = " ".join(event.words for event in seeing.events.take())
+    assert "starting anew" in told
+    assert "airspeed" not in told.replace("no airspeed yet", "")
+
+
 def test_when_time_has_gone_back_everything_begins_anew(constant):
     constant.see_target(100.0, STILL)
     assert constant.step(measured(100.0), 100.0) is not None

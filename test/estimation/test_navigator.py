@@ -67,7 +67,7 @@ def test_without_a_target_there_is_no_situation():
     with pytest.raises(ValueError, match="no target position"):
         estimated(navigator, measured(0.0))
     navigator = seen(FLIGHT)
-    navigator.target.reset()
+    navigator.reset()
     with pytest.raises(ValueError, match="no target position"):
         estimated(navigator, measured(6.0))
 

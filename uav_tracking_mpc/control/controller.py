@@ -136,12 +136,13 @@ class Controller:
         self._respond(self.response.reset())
         if softened and self.formulation is not None:
             self.formulation.soften(self.response.softening.factors)
-        self._forget()
-        self.navigator.target.reset()
+        self.navigator.reset()
+        self._begin_anew()
 
-    def _forget(self) -> None:
-        """Forget what belongs to a time or a place that is no more; the target has not moved."""
-        for part in (self.navigator, self.rate, self._shaper, self._plan, self._shortfall):
+    def _begin_anew(self) -> None:
+        """Forget what belongs to a place or a flight that is no more."""
+        self.navigator.begin_anew()
+        for part in (self.rate, self._shaper, self._plan, self._shortfall):
             part.reset()
         self.response.interrupt()
         if self.formulation is not None:
@@ -363,9 +364,9 @@ class Controller:
             self.events.add(Level.REFUSAL, f"{reason}; used if the next ones agree")
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
-            self._forget()
             if before is not None and measurement.stamp < before:
-                self.navigator.target.reset()  # it was seen in a time that is no more
+                self.navigator.reset()  # of a time that is no more
+            self._begin_anew()
         if verdict not in (Verdict.USE, Verdict.RESTART):
             return None
         measurement, vehicle = self.navigator.air.see_state(measurement)

@@ -116,8 +116,12 @@ class AirData:
         self._path.climb_frequency = SLOW_CLIMB if held else QUICK_CLIMB
 
     def reset(self) -> None:
-        """Forget the airspeed."""
+        """Forget the aircraft and the airspeed."""
         self._stamp, self._airspeed = -math.inf, math.nan
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Forget the aircraft, as one that is elsewhere; what was measured of the air counts on."""
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
         self.missing = self.awaited = False
         self._path.reset()

@@ -140,8 +140,14 @@ class Navigator:
         self._history.memory = 2.0 * max(self._dead_time) + 2.0 * self._latest
 
     def reset(self) -> None:
-        """Forget aircraft, air and commands; the target is where it was."""
+        """Forget aircraft, air, target and commands."""
         self.air.reset()
+        self.target.reset()
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Forget an aircraft that is elsewhere, with what is known of the air, and its commands."""
+        self.air.begin_anew()
         self._history.reset()
         self.air_estimate.reset()
         self.wind = np.zeros(3)
