@@ -137,11 +137,10 @@ class Controller:
         if softened and self.formulation is not None:
             self.formulation.soften(self.response.softening.factors)
         self.navigator.reset()
-        self._begin_anew()
+        self._forget()
 
-    def _begin_anew(self) -> None:
-        """Forget what belongs to a place or a flight that is no more."""
-        self.navigator.begin_anew()
+    def _forget(self) -> None:
+        """Forget plans, commands and solves: of a place or a flight that is no more."""
         for part in (self.rate, self._shaper, self._plan, self._shortfall):
             part.reset()
         self.response.interrupt()
@@ -365,8 +364,10 @@ class Controller:
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
             if before is not None and measurement.stamp < before:
-                self.navigator.reset()  # of a time that is no more
-            self._begin_anew()
+                self.navigator.reset()  # target and airspeed were seen in a time that is no more
+            else:
+                self.navigator.begin_anew()
+            self._forget()
         if verdict not in (Verdict.USE, Verdict.RESTART):
             return None
         measurement, vehicle = self.navigator.air.see_state(measurement)

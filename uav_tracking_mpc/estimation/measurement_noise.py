@@ -75,6 +75,7 @@ class MeasurementNoise:
         # -: second differences by what is told on each axis, sums of their squares by the shares
         self._axes: deque[list[float]] = deque(maxlen=WINDOW)
         self._squares = deque([CHI_SQUARE], maxlen=WINDOW)
+        # -: variance of each axis over what is told, and the quantile of the sums that goes with it
         self._shares, self._usual, self._count = [1.0, 1.0, 1.0], CHI_SQUARE, 0
         self._uneven = False
         self.scales, self.known = np.ones(3), False
