@@ -39,6 +39,7 @@ from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.formulation.paper_formulation import PaperFormulation
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.mpc.solver import Status
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 
@@ -149,6 +150,16 @@ def test_reset_forgets_the_plan(controller, start):
     controller.reset()
     controller.formulation.status = Status.FAILED
     assert controller._fly(0.1, start).mode is FallbackMode.LOITER
+
+
+def test_after_a_reset_no_orbit_is_refused_for_a_wind_of_then():
+    controller = flight_controller()
+    controller.drift = np.array([15.0, 0.0, 0.0])
+    with pytest.raises(ParameterError, match=r"a drift of 15\.0 m/s"):
+        controller.change(airspeed=15.0)
+    controller.reset()
+    controller.change(airspeed=15.0)
+    assert controller.orbit.speed == 15.0
 
 
 def test_without_a_target_it_levels_out(controller):

@@ -27,6 +27,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.control.record import RecordingController, replay
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError, SensorNoise
+from uav_tracking_mpc.estimation.navigator import Navigator
 from uav_tracking_mpc.formulation.formulation import solver_as_told
 from uav_tracking_mpc.parameters.specification import ParameterError
 
@@ -202,6 +203,19 @@ def test_what_was_refused_does_not_keep_the_rest_from_being_written(tmp_path):
     flown.fly(20)
     controller.close()
     assert [step.same for step in replay(path)] == [True] * 20
+
+
+def test_a_silence_of_the_controllers_own_is_no_call_of_somebody_else(tmp_path, monkeypatch):
+    path = tmp_path / "record.jsonl"
+    controller = RecordingController(replace(FLIGHT, law="l1"), path)
+    flown = Flown(controller)
+    flown.fly(5)
+    monkeypatch.setattr(Navigator, "lost", True)
+    flown.fly(1)
+    assert flown.commands[-1] is None
+    controller.close()
+    assert controller.modes.mode is FallbackMode.SILENCE
+    assert "fall_silent" not in path.read_text()
 
 
 FULL = Path("/dev/full")  # a disk without room

@@ -198,6 +198,10 @@ def test_it_waits_for_an_aircraft_and_outlives_one_that_fails(node, monkeypatch)
     assert "of a user" in flown._refusal
     assert "of a user" in flown._engage()
     assert "of a user" in str(flown._values()["link"])
+    monkeypatch.setattr(type(flown._link), "engaged", property(fail))
+    flown._look()
+    assert flown._diagnostics.status.level == DiagnosticStatus.ERROR
+    assert "of a user" in flown._diagnostics.status.message
 
 
 def test_states_that_stop_are_an_error(made, monkeypatch):

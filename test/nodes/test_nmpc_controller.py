@@ -25,6 +25,7 @@ from filled_messages import SECOND, filled_odometry, filled_point, sensed
 from node_harness import callback, tapped, vehicle_from_odometry
 from rclpy.parameter import Parameter
 
+from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.dynamics.relative import relative_state
@@ -37,6 +38,7 @@ from uav_tracking_mpc.nodes.messages.conversions import (
 )
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.ros.managed_node import Stage
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
@@ -201,6 +203,31 @@ def test_a_motion_that_fails_ends_no_node(nodes, tmp_path, failure):
     assert nodes.spin(lambda: any(words in s.message for m in reports for s in m.status))
     told = len(heard[TARGET.name])
     assert nodes.spin(lambda: len(heard[TARGET.name]) > told + 5)
+
+
+def test_a_motion_that_cannot_be_taken_up_is_told_until_another_one_is(nodes, monkeypatch):
+    node = nodes.add(TargetPublisher)
+    change = node._target.change
+
+    def fail(*arguments):
+        raise OSError("the map has an edge")
+
+    monkeypatch.setattr(node._target, "change", fail)
+    node.set_parameters([Parameter("motion", value="line")])
+    node._measure()
+    words = "the motion failed, the one before goes on: the map has an edge"
+    assert node._diagnostics.status.message == words
+    monkeypatch.setattr(node._target, "change", change)
+    node.set_parameters([Parameter("motion", value="circle")])
+    assert node._target.parameters.motion == "circle"
+    assert not node._unchanged  # what is shown may stay for some seconds
+
+
+def test_what_happened_last_is_logged_before_the_controller_is_gone(nodes, capfd):
+    node = nodes.add(NmpcController, law="l1")
+    node.controller.events.add(Level.WARNING, "the record ends")
+    node.report.at(Stage.UNCONFIGURED, "")
+    assert "the record ends" in capfd.readouterr().err
 
 
 def test_bad_messages_are_refused_and_flight_goes_on(nodes):

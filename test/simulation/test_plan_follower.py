@@ -91,3 +91,11 @@ def test_a_delayed_plan_is_flown_so_much_later_and_the_one_before_until_then():
     follower.delay = 0.0
     follower.accept([[0.5, 0.0, 0.0]], [0.9], now=0.9)
     assert follower.inputs(0.9)[0] == 0.5
+
+
+def test_a_plan_that_was_overtaken_on_its_way_is_refused():
+    follower = PlanFollower(delay=0.3)
+    follower.accept([[0.2, 0.0, 0.0]], [1.0], now=1.0)
+    with pytest.raises(ValueError, match="older than one that has come before"):
+        follower.accept([[0.1, 0.0, 0.0]], [0.9], now=1.05)
+    assert follower.inputs(1.6)[0] == 0.2

@@ -99,7 +99,7 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
         return _missing(error)
     # Only now: what raises these errors takes longer to import than help takes to print.
     from uav_tracking_mpc.launch.flight import FlightInterruptedError
-    from uav_tracking_mpc.launch.supervisor import DomainError, LaunchError
+    from uav_tracking_mpc.launch.supervisor import LaunchError
     from uav_tracking_mpc.links import LinkError
     from uav_tracking_mpc.mpc.compiled_method import CompilationError
     from uav_tracking_mpc.nodes.ros.ros_environment import DomainValueError, refusal_of_ros
@@ -111,7 +111,7 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
         return 128 + error.signal, str(error)
     if isinstance(error, (ParameterError, ExtensionError, LinkError, DomainValueError)):
         return 2, str(error)
-    expected = (LaunchError, DomainError, SimulationError, WorkerError, CompilationError, OSError)
+    expected = (LaunchError, SimulationError, WorkerError, CompilationError, OSError)
     if isinstance(error, expected):
         return 1, str(error)
     refused = refusal_of_ros(error)

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 CERTIFIED, SAMPLED, NEITHER = "certified", "sampled", "neither"
 BY_CONSTRUCTION = "by construction"
-WHY = (
+CONTINUABLE = (
     "every plan ends on an orbit that can be flown on, so it can always be continued while the "
     "model holds"
 )
@@ -71,7 +71,7 @@ def certification(parameters: PaperParameters, folder: Path) -> CertificateStatu
         ParameterError: The file of ``certificate`` cannot be read.
     """
     if parameters.terminal_constraint == ARTIFICIAL_ORBIT:
-        return CertificateStatus(BY_CONSTRUCTION, WHY)
+        return CertificateStatus(BY_CONSTRUCTION, CONTINUABLE)
     from uav_tracking_mpc.formulation.paper_formulation import stability_problem, terminal_level
     from uav_tracking_mpc.terminal.certificate import mismatch, read_certificate
 

@@ -52,7 +52,7 @@ CALM_TIME, RESUME_TIME = 5.0, 1.0  # s on the orbit before the signal begins, an
 EXCITATION_FADE_TIME = 1.0  # s from nothing to all of it, and back
 # m, -: from the orbit, for the signal to begin, in range and height, also as a share of the range.
 NEAR, NEAR_SHARE = 10.0, 0.03
-LEFT = 2.0  # -, so many times as far, and the orbit counts as left
+LEFT = 2.0  # -, multiple of these beyond which the orbit counts as left
 AIRSPEED_SHARE, AIRSPEED_LEFT = 0.15, 0.25  # -, of the airspeed asked for, likewise
 TURN_SHARE = 0.85  # -, of the greatest turn rate that may be commanded beside the signal
 # -, rad: from limits, in units of `Bound.scale`: 2 m/s of airspeed, 10 m of height or distance,

@@ -36,8 +36,6 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.dynamics.vehicle import air_velocity, followed, velocity
 from uav_tracking_mpc.estimation.measurement import Measurement
 
-AXES = range(3)
-
 
 class PlannedPath(NamedTuple):
     """A path at 0, step, 2 step, ..., of which the last is the end of the plan.
@@ -77,7 +75,7 @@ class CommandPaths:
             path = self.planned(present.vehicle, present.rates, controller.navigator.wind, *answer)
             if np.isfinite(path.states).all():
                 return path
-        measurement, vehicle = controller.navigator.air.see_state(measurement)
+        vehicle = measurement.state(measurement.airspeed or controller.navigator.airspeed)
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, 0.0])
         wind = measurement.ground_velocity - velocity(vehicle)
         return self.planned(vehicle, rates, wind, *answer)
@@ -128,7 +126,7 @@ class CommandPaths:
         times = 0.5 * step * np.arange(2 * count + 1)
         self._numbers = np.empty((3, len(times), 2 + count))
         self._numbers[:, :, 0] = 1.0
-        for axis in AXES:
+        for axis in range(3):
             lag, dead_time = float(lags[axis]), float(dead_times[axis])
             begins = dead_time + step * np.arange(count + 1)
             ramps = np.array([_ramp(times - begin, lag) for begin in begins])

@@ -66,11 +66,9 @@ from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.specification import ParameterError, changed, refuse_fixed
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, NEAREST, TrackingParameters
 
-Inputs = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
-LASTS = 0.9  # -, periods of the control rate, for which the first input of a plan is flown at least
-# -, share of a quarter turn, from towards the target to about it, that a plan must have time for
-QUARTER_TURN = 0.8
+LASTS = 0.9  # -, share of the control period for which the first input of a plan is held at least
+QUARTER_TURN = 0.8  # -, share of a quarter turn, from towards the target to about it, in a plan
 
 
 class Controller:
@@ -107,7 +105,7 @@ class Controller:
         self.formulation = formulation or formulation_of(parameters)
         self.navigator, self.modes = Navigator(parameters), ModeSelector()
         self.rate, self._gate = Pace(parameters.control_rate), StateGate(parameters.state_timeout)
-        self.drift, self.events = np.zeros(3), EventLog()
+        self.events = EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
         self._plan, self._shortfall = PlanMemory(), OrbitShortfall(self.events)
         self._margin, self._flown = AirspeedMargin(self.events), parameters
@@ -149,6 +147,7 @@ class Controller:
         self._direction: str | None = self._direction if self.navigator.claimed else None
         self._solve_time: float | None = None
         self._late = False
+        self.drift = np.zeros(3)
 
     @property
     def state_time(self) -> float | None:
@@ -286,7 +285,7 @@ class Controller:
         self.rate.state(stamp)
         target = self.navigator.target
         if target.time is not None and target.time - stamp > self.parameters.target_timeout:
-            target.reset()  # it was seen in a time that is no more
+            target.reset()  # its stamp lies ahead of the state's: the clock was set back
         if not self.flying and (target.time is None or self.navigator.air.awaited):
             missing = "no target position" if target.time is None else "no airspeed yet"
             self._select(Available(state=False, trouble=missing))
@@ -311,7 +310,7 @@ class Controller:
             self._plan.reset()
             self._silence(OWN_SOLVE)
             return None
-        # A clock that stands ahead does not send later than that.
+        # An age below 0, as by a sender's clock that is ahead, counts as 0.
         delay = min(max(0.0, now - stamp), self.parameters.state_timeout) + taken
         self._tell_lateness(now - stamp)
         known = target.time is not None
@@ -395,7 +394,8 @@ class Controller:
         for words in self.navigator.complaints():
             self.events.add(Level.WARNING, words)
         if self.navigator.lost:
-            self.fall_silent("no position for so long that none is known")
+            self.rate.reset()
+            self._silence("no position for so long that none is known")
             return None
         self.drift = estimate.present.drift
         fresh = seen is not None and stamp - seen <= self.parameters.target_timeout
@@ -447,14 +447,19 @@ class Controller:
         return self._command(stamp, (level, LEVELLING_TIME), airspeed, None, None)
 
     def _orient(self, situation: Situation) -> None:
-        """The nearest direction is chosen once, with hysteresis; it stands for an engagement."""
+        """Choose the nearest direction, with hysteresis; it is kept while somebody has engaged."""
         if self.parameters.direction == NEAREST:
             self._direction = nearest_direction(situation, self._direction, self.navigator.claimed)
             if self._direction != self.orbit.direction:
                 self._choose()
 
     def _command(
-        self, stamp: float, told: Inputs, airspeed: float, plan: Plan | None, now: Situation | None
+        self,
+        stamp: float,
+        told: tuple[NDArray[np.float64], float],  # inputs, shape (n, 3), and length of each [s]
+        airspeed: float,
+        plan: Plan | None,
+        now: Situation | None,
     ) -> Command:
         (inputs, step), mode, reason = told, self.modes.mode, self.modes.reason
         # Segments count from the stamp: the first input lasts until the next command is there, or

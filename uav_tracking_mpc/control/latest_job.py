@@ -36,7 +36,7 @@ class LatestJob(Generic[T]):
         name: Of the thread.
         work: Called in that thread with each thing that is asked for. An exception of its ends that
             one thing: it is logged, and the next one is done.
-        patience: How long the first work waits in [s].
+        patience: Delay before the first work in [s].
         rest: How long nothing else may be asked for before work begins in [s], so that a series of
             changes is worked on once.
     """

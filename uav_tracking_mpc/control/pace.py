@@ -23,7 +23,7 @@ FORGIVEN = 0.01  # -, of the period by which a state may be early: rounding must
 WINDOW = 2.0  # s of the stamps
 KEPT = 0.9  # -, share of the rate, below which it is missed
 KEPT_AGAIN = 0.95  # -, share of the rate, from which on it is kept again
-LASTING = 3.0  # s for which the other opinion must hold: longer than one lapse is in the window
+LASTING = 3.0  # s beyond the threshold until the verdict changes: one gap stays in WINDOW for less
 LATE = 1.5  # -, periods from command to command, beyond which one came late
 
 

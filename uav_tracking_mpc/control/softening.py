@@ -38,7 +38,7 @@ LASTING = 1.5  # -, periods for which a swing must go on to be answered again
 LEAST_TIME = 0.3  # s, of a plan with other weights before they are judged
 QUIET = 15.0  # s without a swing before the gain comes back
 RETURN_TIME = 10.0  # s, in which the factor falls to 1/e of itself
-CLEAR = 2.0  # -, times the factor with which the loop swung last, at least, where it returns to
+CLEAR = 2.0  # -: the weight stays at least so many times as great as when the loop swung last
 OTHER_DELAY, OTHER_GAIN = 0.05, 0.05  # s, -: changes of the response that make it another loop
 ROUNDING = 1e-3  # -, of the factor
 

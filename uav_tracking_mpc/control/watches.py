@@ -42,7 +42,7 @@ HALF_CYCLES = 9  # that must be alike, four periods and a half
 GROWING = 6  # half cycles of a steady period that grow one by one are enough
 SHORTEST, LONGEST = 0.08, 15.0  # s, of a period
 PERIOD_SPREAD, AMPLITUDE_SPREAD = 0.12, 0.3  # -, spread over mean, when it begins
-ENDING = 2.0  # -, times these, or periods without a swing, when it ends
+ENDING = 2.0  # -, factor on these spreads, and count of periods without a swing, when it ends
 AVERAGING = 8.0  # s, time constant of the mean about which it swings
 FORCED = 0.3  # -, share of a swing that the target's acceleration must have to be its cause
 FORCED_TIME = 15.0  # s, in which the memory of the target's acceleration falls to 1/e
@@ -152,8 +152,6 @@ class OscillationReport:
         causes: What is likely to cause each oscillation, in words.
     """
 
-    causes: list[str]
-
     def __init__(self, events: EventLog) -> None:
         self._events = events
         self._watches = LimitCycleWatch(), LimitCycleWatch()
@@ -252,9 +250,9 @@ LASTING = 10.0  # s for which it must have been different, and the same
 class AirspeedMargin:
     """Keeps an orbit away from both airspeed limits while the airspeed is not known for sure.
 
-    By :data:`MARGIN` standard deviations of what wind and ground velocity tell, at most up to the
-    middle of the band; plans keep half of that. By as much of what they contradict an airspeed that
-    is still believed, where the orbit would be nearer to the limit.
+    If the airspeed is not measured, the margin is :data:`MARGIN` standard deviations of what wind
+    and ground velocity tell, at most half of the band; plans keep half of the margin. If it is
+    measured and they contradict it, the margin is what they contradict it by.
 
     Args:
         events: Where to tell.
@@ -265,7 +263,7 @@ class AirspeedMargin:
         self.forget()
 
     def forget(self) -> None:
-        """Other parameters are flown by, without a margin."""
+        """Begin without a margin: other parameters are flown by."""
         self._margins = [0.0, 0.0]
 
     def flown(

@@ -14,9 +14,9 @@
 
 """The airspeed that belongs to a measurement; without one the air is taken as still.
 
-An airspeed that comes by itself is heard after the state that it belongs to: the first state has
-none. It is awaited for a time before it counts as one that nobody measures. For the same reason the
-first state after a gap goes by the airspeed from before the gap.
+An airspeed that comes by itself arrives after the state that it belongs to, so the first state has
+none. It is awaited for a time before it counts as not measured. For the same reason the first state
+after a gap goes by the airspeed from before the gap.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
-# s, rad and m, for which an aircraft turns, by its gyros, or climbs otherwise than is told, while
-# one may repeat itself that is not stuck: as one does that is read less often than states are sent
+# s, rad, m: a reading that repeats is stuck once it has done so for longer than STUCK_TIME, while
+# the aircraft turned, or climbed, by more than these. A sensor that is read less often than states
+# are sent repeats itself, too.
 STUCK_TIME, STUCK_TURN, STUCK_CLIMB = 0.7, 0.04, 3.0
-
-
-# -, times the least and the greatest airspeed of the aircraft: what reads beyond is wrong, as knots
-# for m/s are, which read 1.9 times as much; and times what stands in for it, to be used again
+# -, factors on the least and the greatest airspeed of the aircraft, beyond which an airspeed is
+# impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
+# it is used again
 POSSIBLE = 0.75, 1.25
-# m/s, rad, rad, s: an aircraft that flies so much beside its heading, and hardly beside one that is
-# counted from North to East, for so long, has such a heading; no wind is as strong as it flies
+# m/s, rad, rad, s: a heading counts from North to East if the aircraft flies at least so fast, for
+# so long, beside its heading by more than BESIDE, and beside the mirrored one by less than ALONG
 FLYING, BESIDE, ALONG, MIRRORED_FOR = 5.0, 1.0, 0.5, 3.0
 
 
@@ -85,21 +85,21 @@ class AirData:
     Attributes:
         missing: Whether the latest vehicle state had no airspeed to go by.
         awaited: Whether it had none because the first airspeed may still come.
-        wind: Of the air, as far as it is known without the airspeed, shape (3,), in [m/s]. The path
-            of a body is found with an airspeed that fits it: one that fails must not turn heading
-            and path angle as well, by which it is judged.
+        wind: As it is known without the airspeed, shape (3,), in [m/s]. The path is found with an
+            airspeed that fits it: heading and path angle, by which the airspeed is judged, must not
+            depend on one that fails.
         wind_known: Whether it is known well enough for that.
         failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
         nose: Where it points in [rad] and how it turns in [rad/s], where it is the bank that tells
             how the path does.
-        by_turn: Airspeed that bank and turn tell in [m/s]; inf where they tell none.
+        by_turn: Airspeed by bank and turn rate in [m/s]; inf where it is not known.
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
         position_noise: Standard deviation of positions that was found in [m].
         stuck: Whether the heading is stuck, and whether the ground velocity is.
         climb_state: State of a vertical velocity that pitch and height replace.
         limits: Least and greatest airspeed of the aircraft in [m/s].
-        impossible: Whether an airspeed is left out because it cannot fly at it.
+        impossible: Whether the airspeed is left out because the aircraft cannot fly at it.
     """
 
     def __init__(self, timeout: float) -> None:

@@ -14,9 +14,9 @@
 
 """Whether a compass turns as the gyros do.
 
-What it turns by besides, that of the gyros' bias taken out, tells of one that drifts, beside
-airspeed and wind (:mod:`~uav_tracking_mpc.estimation.sensor_check`). Without an airspeed there is
-nothing else to compare a heading with than the gyros: a jump is then taken back.
+The difference of both, less the gyros' bias, shows a compass that drifts; so do airspeed and wind
+(:mod:`~uav_tracking_mpc.estimation.sensor_check`). Without an airspeed the gyros are all that a
+heading can be compared with: what it has jumped by is then subtracted.
 
 These are expressions: :mod:`~uav_tracking_mpc.estimation.air_estimate` compiles them.
 """
@@ -30,8 +30,9 @@ import casadi as ca
 
 from uav_tracking_mpc.symbolic.layout import Layout
 
-# rad, rad/s since the measurement before, and standard deviations of the heading, which no aircraft
-# turns unless its gyros tell it; and the share of the first one below which it is right again
+# rad, rad/s, -, -: a heading jumps if it differs from that of the gyros by more than SNAP, plus
+# SNAP_RATE times the time since the last one, plus so many standard deviations of its noise. It is
+# right again below a share BACK of SNAP.
 SNAP, SNAP_RATE, SNAP_DEVIATIONS, BACK = 0.1, 0.3, 8.0, 0.5
 GYRO_TIME = 120.0  # s, memory of the gyros' bias: a compass that drifts is found before
 COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1)

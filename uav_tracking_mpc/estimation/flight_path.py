@@ -77,20 +77,21 @@ SHARE_LIMIT = 0.4  # -, of the surplus that grows with the turn
 STEEP_TURN = 0.1  # rad/s, rho: from there on a turn tells more of the share than of the rest
 SLIP_FREQUENCY = 1.0  # rad/s, omega_s: how quickly a slip follows the turn
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
-NOSE_JUMP = 0.2  # rad between two attitudes: no aircraft turns so, its compass has jumped
-TRIAL = 20.0  # s, over which bank and nose are compared
-ROLLING = 3.0  # s, over which quick rolls, which the nose does not follow, cancel before that
-CONTRADICTION = 0.01  # rad^2/s^2; slipping into a turn makes a quarter of it
-STEEPEST = 1.5  # rad, of a bank or a pitch, beyond which no turn is coordinated
+NOSE_JUMP = 0.2  # rad, from one attitude to the next, beyond the turn: the compass has jumped
+TRIAL = 20.0  # s, over which the turns by bank and by nose are compared
+ROLLING = 3.0  # s, over which both are averaged before: the nose does not follow a quick roll
+CONTRADICTION = 0.01  # rad^2/s^2, beyond which the bank is left out; a slip makes a quarter of it
+STEEPEST = 1.5  # rad, bank or pitch beyond which no turn is coordinated
 QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
 STEADY_CLIMB = 2.0  # rad/s, omega_h
-HEIGHT_JUMP = 4.0  # m between two heights, besides noise and climb: no aircraft moves so
+HEIGHT_JUMP = 4.0  # m, from one height to the next, besides noise and climb: the height has jumped
 CLIMB_LAG = 0.3  # s, tau, with which a climb follows the nose
-# m/s, by which a climb differs from that of pitch and height that is wrong: severe gusts make 4; m,
-# by which the height then differs from where it leads; and s in which that counts
+# m/s, m, s: a measured climb is wrong if it differs by more than WRONG_CLIMB from that of pitch and
+# height (severe gusts make 4 m/s), and the height by more than WRONG_HEIGHT from where it leads,
+# within WRONG_TIME
 WRONG_CLIMB, WRONG_HEIGHT, WRONG_TIME = 6.0, 1.0, 1.0
-# s, -, m^2 s: over which heights tell that it is right again, the share of it that they must show,
-# and the least sum of squares of what was climbed
+# s, -, m^2 s: it is right again once the heights of RIGHT_TIME show this share of it, and the sum
+# of the squares of what was climbed exceeds RIGHT_SUM
 RIGHT_TIME, RIGHT_SHARE, RIGHT_SUM = 10.0, 0.7, 1.0
 CLIMB_NOISE = 2.0  # m/s, standard deviation of that climb
 SLOW_CLIMB = 0.5  # rad/s, where an autopilot holds the altitude, and the rest is turbulence

@@ -48,12 +48,12 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
 LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 ROUNDING = 1e-9  # -, of a count of steps
-LATENCY_LIMIT = 1.5  # s, counted on at most: a greater one is that of a clock
+LATENCY_LIMIT = 1.5  # s, counted on at most: beyond it the clocks do not agree
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
-BELOW = 20.0  # m, under its target, where hardly an aircraft is unless its z is positive down
-TOLD_EXCESS = 0.1  # -, share by which an airspeed reads too much or too little that is worth a word
-# m/s, m/s, m: how quickly a position that is carried on goes astray by the ground velocity, and by
-# air velocity and wind in its place; and how far, from which on nobody should fly by it
+BELOW = 20.0  # m below its target: then z is most likely reported positive down
+TOLD_EXCESS = 0.1  # -, share by which an airspeed reads too much or too little that is reported
+# m/s, m/s, m: how quickly a position is in error that is carried on by the ground velocity, and by
+# air velocity and wind; and the error from which on the position counts as lost
 ASTRAY, BY_WIND, LOST = 0.3, 1.5, 30.0
 
 

@@ -44,7 +44,7 @@ TOLD = Layout(
 
 
 class Outlook:
-    """Evaluates it at as many times at once.
+    """Evaluates target and drift at several times in one call.
 
     Args:
         count: n, how many times.

@@ -53,53 +53,55 @@ from uav_tracking_mpc.symbolic.layout import Layout
 CODE = {state: float(number) for number, state in enumerate(STATES)}
 
 # Ground velocity
-ODD = 10.0  # m/s that it may be apart from what is expected, besides its deviations
-SUDDEN, STEEPEST = 5.0, 30.0  # m/s, m/s^2: of changes that gusts and turns do not make
-WINDOW = 1.0  # s after which positions tell which of the two velocities was flown
-# m/s by which the way flown may differ from that velocity in each window, besides the noise of
-# positions; and s for which it then does: a position that jumps, and back, takes two windows
+ODD = 10.0  # m/s, beyond gusts: a ground velocity that differs by more from the expected is odd
+SUDDEN, STEEPEST = 5.0, 30.0  # m/s, m/s^2: a change beyond SUDDEN + STEEPEST times is no gust's
+WINDOW = 1.0  # s, length of a window, at whose end positions tell which velocity was flown
+# m/s, s: positions contradict a velocity if the way flown differs from it by more than CONTRARY,
+# besides the noise of positions, for CONTRARY_TIME: a position that jumps and comes back takes two
+# windows
 CONTRARY, CONTRARY_TIME = 3.0, 3.0
-# m/s, -: climb of a window that tells whether the height follows it, and how many windows count
+ALIKE = 0.5  # -, least cosine between the differences of two windows: those of jumps go anywhere
+# m/s, -: least climb of a window in which height and climb are compared; how many windows count
 CLIMBING, CLIMBS = 0.3, 20.0
-# m^2, -, -: what the sum of their squares must have, besides so many variances of the height; and
-# share of it from which on the heights are against them
+# m^2, -, -: of the sum of the climbs' squares, what it must exceed, and by how many variances of
+# the height; and the share of it below which the heights go against the climb
 LEAST_CLIMB, SURE_CLIMB, AGAINST = 1.0, 70.0, -0.3
-ALIKE = 0.5  # -, cosine between differences of successive windows: those of jumps go anywhere
 VELOCITY_CHECK = Layout(
     odd=1, time=1, begin=3, way=3, by_expected=3, before=3, error=3, contrary=1, climbs=2
 )
 
-# Positions that are elsewhere by more than this, besides their noise, are left out for a time. If
-# they stay there, what is told of the aircraft's place goes there gently. A height that stays the
-# same while the ground velocity climbs as far is stuck.
-JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0  # m, s, s
-STALE = 1.5  # s, for which one that repeats itself is no more than one that is seldom measured
-STANDING = 0.25  # -, of that climb, from which on a height that stays is not used
+# m, s, s: a position that is off by more than JUMP, besides its noise, is left out. If positions
+# stay there for JUMP_TIME, the aircraft is there, and its place is moved there with FADE_TIME.
+JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0
+STALE = 1.5  # s, for which a position may repeat itself that is only seldom measured
+STANDING = 0.25  # -, share of JUMP, beyond which a climb leaves out a height that stays the same
 POSITION_CHECK = Layout(jumped=1, faded=3, last=3, climbed=1)
 
 # Airspeed and heading
-SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
-LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
-GATE = 4.0  # m/s, besides gusts: a reading that is as far off is not used, whatever comes of it
-# A real aircraft shows gusts along it as airspeed before they move it, and those across it hardly
-DEVIATIONS = 4.0  # -, standard deviations of gusts that explain a residual: of the other one
-OWN_DEVIATIONS = 3.0  # -, of the residual itself
-DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the other
-# rad, that the wind's error turns against the heading in a jump: of the wind without airspeed, and
-# of that without heading; 0.3 of both blamed a sound heading in moderate gusts
+# s: time constants of the noise of a residual, of its jumps, and of what lasts
+SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0
+LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s, that a jump, and what lasts, must exceed in still air
+GATE = 4.0  # m/s, besides gusts: an airspeed that is further off is left out at once
+# -, how many standard deviations of the other residual, and of its own, gusts explain. Those along
+# a real aircraft show as airspeed before they move it, those across it hardly.
+DEVIATIONS, OWN_DEVIATIONS = 4.0, 3.0
+DOMINANCE = 3.0  # -, least ratio of the residual of a sensor that fails to the other one
+# rad, that the error of a wind turns against the heading during a jump: of the wind without
+# airspeed, and of that without heading. With 0.3 of both a sound heading was blamed in gusts.
 TURNED = 0.3, 0.7
-# s: what the wind without airspeed has changed in it, it may have changed along the heading too,
-# where it was not seen
+# s: by what the wind without airspeed has changed in this time, it may also have changed along the
+# heading, where it is not seen
 CHANGES = 40.0
-# m/s: standard deviation of the wind from which on there is something to compare; and once the
-# flight has lasted, in gusts that let no wind be known better
+# m/s: standard deviation of the wind above which nothing is compared; and late in a flight, when
+# gusts let no wind be known better
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
 COMPARED = 60.0  # s, memory of the gusts
-PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
-# -, shares of a jump that are the sensor's own: to name it, and to take that back
+PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts that are taken at first, and the weight of that
+# -, share of a jump that is the sensor's own: above the one it is named, below the other it is used
 OWN_SHARE, LEAST_SHARE = 0.5, 0.25
 DOUBT = 1.5  # m/s, by which a sound airspeed may read otherwise than the wind explains
-AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
+# -, s: a sensor is used again once it has kept to this share of its limits for this time
+AGREEING, AGREED_FOR = 0.5, 5.0
 # m/s, rad: least speed through the air that tells a heading; the greatest difference of headings
 FLYING, HALF_TURN = 1.0, math.pi + 0.5
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile

@@ -180,10 +180,11 @@ class StateGate:
 def _change(
     before: Measurement, after: Measurement, flown: NDArray[np.float64] | float = 0.0
 ) -> tuple[float, float]:
-    """Time [s] and distance [m] from one measurement to another, and at most from where that led.
+    """Time [s] and distance [m] between two measurements.
 
-    A position that repeats or is not known is no jump. Nor is the first one after it: the aircraft
-    is where it has flown meanwhile, or stood there, as one does that waits in a simulation.
+    A position that repeats, or is not known, is no jump. After one that has repeated, the aircraft
+    may have flown on, or have stood there, as it does while a simulation waits: the smaller
+    distance counts.
     """
     step = after.stamp - before.stamp
     if _same(before.position, after.position) or not (before.placed and after.placed):

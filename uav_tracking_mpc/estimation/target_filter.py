@@ -114,7 +114,7 @@ class TargetFilter:
     @property
     def height(self) -> float | None:
         """Height in ``map`` where it was last seen in [m]; None before the first position."""
-        return None if self._track is None else float(self.predict(self._track.time).position[2])
+        return None if self._track is None else float(self._track.state[0, 2])
 
     @property
     def agility(self) -> float:

@@ -57,11 +57,11 @@ RATES = np.array(
     [[0.0, 3e-4, 3e-4, 3e-4], [0.05, 0.0, 0.05, 0.02], [0.0, 0.2, 0.0, 0.05], [0.0, 0.0, 1e3, 0.0]]
 )
 STRAIGHT = 0.9  # probability of the quiet mode above which a target that hides runs straight on
-QUIET_LEAST = 0.02  # probability of the quiet mode above which it goes on alone
+QUIET_LEAST = 0.02  # probability of the quiet mode above which it is not mixed with the others
 PROBABILITY_MIN = 1e-12  # -, of a mode
 OUTLIER_WEIGHT = math.log(0.03)  # -, logarithm of the share of measurements that are outliers
 OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
-SECOND = 4.0  # -, times the gate of a position: that of the second one, as no velocity is known
+SECOND = 4.0  # -, factor on the gate of a track's second position: its velocity is not known yet
 ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 # Velocity [m/s] and its variances on each axis [m^2/s^2], shape (3,) each.

@@ -93,9 +93,7 @@ QUICK_TIME = 0.5  # s, over which the quick part is averaged to see whether it l
 MEMORY_TIME = 20.0  # s, of its mean squares
 LEAST_QUICK = 0.1  # m/s, of quick parts that are too small to tell
 SHAKES, LASTS = 0.60, 0.70  # -, correlation of the quick part at which none of it counts, and all
-BY_SENSORS = (
-    0.5  # -, share of it that heading and airspeed shake themselves, at which all of it counts
-)
+BY_SENSORS = 0.5  # -, share of it by noise of heading and airspeed, at which all of it counts
 QUICK = Layout(slow=3, averaged=3, means=6)
 
 # What positions alone tell of the ground velocity: up to which frequency, and how exactly

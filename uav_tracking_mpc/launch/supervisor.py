@@ -48,8 +48,8 @@ NODES = SIMULATOR, TARGET, CONTROLLER = "uav_simulator", "target_publisher", "nm
 LINK = "autopilot_link"  # in the simulator's place
 
 
-class DomainError(RuntimeError):
-    """No domain is free."""
+class LaunchError(RuntimeError):
+    """The flight could not be flown; the message says why."""
 
 
 @contextmanager
@@ -65,7 +65,7 @@ def own_domain(domain: int | None) -> Iterator[int]:
         Number of the domain.
 
     Raises:
-        DomainError: All domains are in use.
+        LaunchError: All domains are in use.
     """
     if domain is not None:
         yield domain
@@ -80,7 +80,7 @@ def own_domain(domain: int | None) -> Iterator[int]:
                 continue
             yield candidate
             return
-    raise DomainError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
+    raise LaunchError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
 
 
 class NodeProcess:
@@ -159,10 +159,6 @@ def _end_with_parent() -> None:
     """In the child: ask Linux for SIGTERM when the launcher dies, whatever ended it."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
-
-
-class LaunchError(RuntimeError):
-    """The flight could not be flown; the message says why."""
 
 
 class Supervisor:
@@ -316,7 +312,7 @@ def supervised(console: Console, domain: int | None = None) -> Iterator[Supervis
         The supervisor, without processes.
 
     Raises:
-        DomainError: All domains are in use.
+        LaunchError: All domains are in use.
         ModuleNotFoundError: There is no rclpy.
     """
     with own_domain(domain) as claimed, tempfile.TemporaryDirectory() as folder:

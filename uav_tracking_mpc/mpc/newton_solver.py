@@ -61,7 +61,7 @@ PLAN_FIELDS = ("x", "u", "a", "c", "value", "mu", "rho")
 
 # -, relative difference in cost for which an attempt is finished once another has converged
 WORTHWHILE = 1e-5
-INSIDE = -1e6  # -, of a constraint: so far inside that a sweep does not see it
+INSIDE = -1e6  # -, value of a constraint that is so far inside that a sweep takes it as inactive
 
 Attempt = Callable[[int, float, int, float], int]
 # Inputs of the first stages, shape (stages, nu), decision, shape (na,), and penalty weight

@@ -64,7 +64,7 @@ ESTIMATED = {"airspeed": SPEED_LIMIT, "surplus": RATE_LIMIT}  # m/s, rad/s: by t
 
 SHARE = 0.02  # -, of a new reading in the offset
 STEP = 5e-3  # s by which a reading may differ before the clocks count as set anew
-WITNESSES = 3  # readings in a row that say so: one may lie where the process was interrupted
+WITNESSES = 3  # such readings in a row: a single one may be late as the process was interrupted
 CONNECT_LIMIT = 4.0  # s of one attempt to reach the aircraft
 RETRY_PERIOD = 1.0  # s from one attempt to the next
 WAIT = 0.1  # s for a measurement, and so to notice that it is to stop
@@ -316,6 +316,12 @@ class AutopilotLink(VehicleNode):
             return _failed(error)
 
     def _look(self) -> None:
+        try:
+            self._look_at_link()
+        except Exception as error:  # whatever a user's link raises, the node goes on
+            self._diagnostics.report(diagnostics.ERROR, _failed(error))
+
+    def _look_at_link(self) -> None:
         """Report what has happened to the link, and how it is."""
         now = time.monotonic()
         logger = self.get_logger()

@@ -35,6 +35,7 @@ from uav_tracking_mpc.nodes.messages.conversions import (
 )
 from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     ERROR,
+    REASON,
     STALE,
     WARN,
     mode_changes,
@@ -65,7 +66,6 @@ from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Lat
 from uav_tracking_mpc.simulation.motions import motion_of
 
 NOT_RECORDED = 0.1  # -, share of the commands that a bag may lack
-REASON = "mode reason"  # value of the controller that says more than its message
 
 
 def airspeeds(

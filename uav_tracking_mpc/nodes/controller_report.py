@@ -190,9 +190,9 @@ class ControllerReport:
             trouble: What went wrong, in words; empty if nothing did.
         """
         self._stage, self._trouble = stage, trouble
+        self._log_events()
         if stage in (Stage.UNCONFIGURED, Stage.FINALIZED):
             self._controller = None
-        self._log_events()
         if trouble:
             self._diagnostics.announce(diagnostics.ERROR, trouble)
         else:

@@ -67,7 +67,8 @@ class TargetPublisher(Node):
         self._start = 0 if simulated else self.get_clock().now().nanoseconds
         self._message, self._truth = TARGET.type(), TARGET_TRUTH.type()
         self._position, self._refused = self._target.position(0.0), 0
-        self._measured_at, self._failure = math.nan, ""
+        self._measured_at = math.nan
+        self._failure = self._unchanged = ""  # why there is no position, and no other motion
         self._publisher = publish(self, TARGET)
         self._truths = publish(self, TARGET_TRUTH)
         listen(self, TARGET_GOAL, self._on_goal)
@@ -86,11 +87,11 @@ class TargetPublisher(Node):
         return (self.get_clock().now().nanoseconds - self._start) * 1e-9
 
     def _take(self, parameters: TargetParameters) -> None:
-        now = self._time()
+        now, self._unchanged = self._time(), ""
         try:
             self._target.change(now, parameters)
         except Exception as error:  # whatever a user's motion raises, the node goes on
-            self._failure = f"the motion failed: {error}"
+            self._unchanged = f"the motion failed, the one before goes on: {error}"
         self._sensor.change(parameters)
         self.parameters = parameters
         self._tell_truth()
@@ -152,8 +153,8 @@ class TargetPublisher(Node):
         self._report(now)
 
     def _report(self, now: float) -> None:
-        if self._failure:
-            self._diagnostics.report(diagnostics.ERROR, self._failure)
+        if failure := self._failure or self._unchanged:
+            self._diagnostics.report(diagnostics.ERROR, failure)
             return
         if self._outage.lasts:
             self._diagnostics.report(diagnostics.WARN, self._outage.words)

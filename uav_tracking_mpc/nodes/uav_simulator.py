@@ -25,6 +25,7 @@ from rclpy.timer import Timer
 from std_srvs.srv import SetBool, Trigger
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import set_stamp
 from uav_tracking_mpc.nodes.messages.diagnostic_values import vehicle_status
 from uav_tracking_mpc.nodes.messages.wires import command_segments
@@ -95,7 +96,7 @@ class UavSimulator(VehicleNode):
         try:
             self._plant.change(parameters)
         except Exception as error:  # whatever a user's plant raises, the node goes on
-            self._failure = f"the plant failed, its state is not published: {error}"
+            self._fail(error)
         if parameters.speed != before.speed:
             self.destroy_timer(self._timer)
             self._timer = self._make_timer()
@@ -161,10 +162,19 @@ class UavSimulator(VehicleNode):
         if self._clock_publisher is not None:
             set_stamp(self._clock_message.clock, self._now)
             self._clock_publisher.publish(self._clock_message)
-        if not self._failure and not self._outage.lasts:
-            seen = self._plant.measured()
-            if seen.placed:  # a message without a position is none
-                self._publish(self._start + round(seen.stamp * 1e9), seen)
+        seen = None if self._failure or self._outage.lasts else self._measured()
+        if seen is not None and seen.placed:  # a message without a position is none
+            self._publish(self._start + round(seen.stamp * 1e9), seen)
+
+    def _measured(self) -> Measurement | None:
+        try:
+            return self._plant.measured()
+        except Exception as error:  # whatever a user's plant raises, the node goes on
+            self._fail(error)
+            return None
+
+    def _fail(self, error: Exception) -> None:
+        self._failure = f"the plant failed, its state is not published: {error}"
 
     def _listeners(self) -> int:
         """How many listen to the state, without who only looks."""
@@ -199,7 +209,7 @@ class UavSimulator(VehicleNode):
             self._plant.advance(duration)
             self._truth = self._plant.truth
         except Exception as error:  # whatever a user's plant raises, the node goes on
-            self._failure = f"the plant failed, its state is not published: {error}"
+            self._fail(error)
 
     def _report(self) -> None:
         if self._failure:

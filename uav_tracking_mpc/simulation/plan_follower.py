@@ -44,7 +44,7 @@ class PlanFollower:
         self.failsafes = 0
         self._inputs: NDArray[np.float64] | None = None
         self._starts = np.zeros(0)
-        self._end = -math.inf
+        self._end = self._newest = -math.inf  # s, of the plan that is flown; the newest one's start
 
     @property
     def commanded(self) -> bool:
@@ -61,7 +61,7 @@ class PlanFollower:
             now: Present time in [s].
 
         Raises:
-            ValueError: Empty, not finite, not in order, older than the present plan, or from the
+            ValueError: Empty, not finite, not in order, older than one that has come, or from the
                 future; the present plan stays.
         """
         plan, starts = np.asarray(inputs, dtype=float), np.asarray(starts, dtype=float)
@@ -77,8 +77,9 @@ class PlanFollower:
             raise ValueError(
                 f"plan begins {starts[0] - now:.3f} s from now, may by {LEAD_LIMIT:g} s"
             )
-        if len(self._starts) and starts[0] < self._starts[0]:
-            raise ValueError("plan is older than the one that is flown")
+        if starts[0] < self._newest:
+            raise ValueError("plan is older than one that has come before")
+        self._newest = float(starts[0])
         if self.delay or self._under_way:
             self._under_way.append((now + self.delay, plan.copy(), starts + self.delay))
         else:
@@ -86,9 +87,10 @@ class PlanFollower:
 
     def _forget_ahead(self, now: float) -> None:
         """Where time has gone back, plans of a time that is no more are none."""
-        if len(self._starts) and self._starts[0] > now + LEAD_LIMIT + self.delay:
+        if self._newest > now + LEAD_LIMIT:
             self._under_way.clear()
             self._starts, self._end = np.zeros(0), -math.inf
+            self._newest = -math.inf
 
     def _fly(self, plan: NDArray[np.float64], starts: NDArray[np.float64]) -> None:
         self._inputs, self._starts = plan, starts

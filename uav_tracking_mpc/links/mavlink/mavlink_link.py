@@ -270,14 +270,16 @@ class MavlinkLink(VehicleLink):
 
     def close(self) -> None:
         """See :meth:`VehicleLink.close`."""
-        if self._heard is not None:
-            self.disengage()
-            self._heard.connection.close()
-            self._heard = None
+        with self._lock:  # a command that is being sent is sent before
+            if self._heard is not None:
+                self.disengage()
+                self._heard.connection.close()
+                self._heard = None
 
     def now(self) -> float:
         """See :meth:`VehicleLink.now`: the machine's monotonic clock, unless the wire has one."""
-        return self.heard.connection.now() if self._heard is not None else time.monotonic()
+        heard = self._heard  # which another thread may close meanwhile
+        return time.monotonic() if heard is None else heard.connection.now()
 
     def inspect(self) -> Inspection:
         """See :meth:`VehicleLink.inspect`: what was found, once everything was read."""

@@ -14,9 +14,9 @@
 
 """/diagnostics of a node, warnings that may come with every message, and doubled senders.
 
-A worse status is shown at once. A better one, or another as bad, is shown when the present one has
-not been reported for some seconds, or had itself stood that long: what alternates twenty times a
-second is shown as its worse half, and a state of affairs that lasted ends at once.
+A worse status is shown at once. A better one, or another as bad, is shown once the present one has
+not been reported for some seconds; at once if the present one had been reported alone for that
+long. So a status that alternates twenty times a second is shown as the worse one.
 """
 
 from __future__ import annotations

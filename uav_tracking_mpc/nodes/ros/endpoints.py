@@ -111,7 +111,7 @@ def publish(
     return node.create_publisher(
         topic.type,
         topic.name,
-        _copy(qos or topic.qos),
+        qos or topic.qos,
         event_callbacks=event_callbacks,
         qos_overriding_options=overriding_options(node, topic.name, PUBLISHER),
     )
@@ -140,7 +140,7 @@ def listen(
         topic.type,
         topic.name,
         callback,
-        _copy(topic.heard),
+        topic.heard,
         event_callbacks=event_callbacks,
         qos_overriding_options=overriding_options(node, topic.name, SUBSCRIPTION),
         raw=raw,
@@ -156,11 +156,6 @@ def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Tim
         callback: Called each time.
     """
     return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
-
-
-def _copy(qos: QoSProfile) -> QoSProfile:
-    """A profile of its own: rclpy writes the overrides into the one that it is given."""
-    return QoSProfile(**{name.lstrip("_"): getattr(qos, name) for name in qos.__slots__})
 
 
 OUTAGE = 15.0  # s of the node's time: longer than a plan, and than the target's default timeout
