@@ -64,6 +64,7 @@ BEGIN = 1.5  # s after the first command, in which what was flown before it stil
 EVERY = range(3)  # channels
 REFINED_EVERY = 8  # measurements between refinements, one channel each
 GRID = len(DEAD_TIMES) * len(LAGS)  # candidates of each channel
+_APART = np.diff(DEAD_TIMES)  # s
 # Of each: what the high pass lets through; sums of x x, of x y, and of x with that of the next dead
 # time.
 SUMS = Layout(passed=3 * GRID, power=3 * GRID, product=3 * GRID, following=3 * (GRID - len(LAGS)))
@@ -297,7 +298,7 @@ def _between(
     gain = np.clip(mixed / np.maximum(mixed_power, 1e-300), *GAIN_LIMITS)
     explained = gain * (2.0 * mixed - gain * mixed_power)
     best = explained.argmax(axis=0), np.arange(power.shape[1])
-    apart_in_time = np.diff(DEAD_TIMES)[best[0]]
+    apart_in_time = _APART[best[0]]
     return (
         DEAD_TIMES[best[0]] + share[best] * apart_in_time,
         gain[best],

@@ -135,7 +135,8 @@ class TargetTrack:
         Args:
             order: Of the derivative, 0 to 2.
         """
-        return float(self.covariances[LEVEL, order, order].mean())
+        east, north, _ = self.covariances[:, order, order].tolist()
+        return 0.5 * (east + north)  # type: ignore[no-any-return]
 
     def position_std(self, age: float) -> float:
         """Standard deviation of the position on the worse level axis in [m].

@@ -67,10 +67,9 @@ class PlanFollower:
         plan, starts = np.asarray(inputs, dtype=float), np.asarray(starts, dtype=float)
         if plan.ndim != 2 or plan.shape[1] != 3 or len(plan) == 0 or starts.shape != (len(plan),):
             raise ValueError(f"plan has shape {plan.shape}, must be (n, 3) with a start for each")
-        if not (np.all(np.isfinite(plan)) and np.all(np.isfinite(starts))):
+        if not (np.isfinite(plan).all() and np.isfinite(starts).all()):
             raise ValueError("plan holds values that are not finite")
-        steps = np.diff(starts)
-        if np.any(steps <= 0.0):
+        if (starts[1:] <= starts[:-1]).any():
             raise ValueError("plan's segments are not in order of time")
         self._forget_ahead(now)
         if starts[0] > now + LEAD_LIMIT:
