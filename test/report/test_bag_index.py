@@ -169,6 +169,10 @@ def test_messages_are_walked_through_backwards_and_sampled(commands):
     assert sampled == sorted(set(sampled))
 
 
+def test_a_message_that_is_too_short_for_a_stamp_has_none():
+    assert header_stamp(b"\x00\x01\x00\x00\x01") == 0
+
+
 @pytest.mark.parametrize(("order", "mark"), [("<", 1), (">", 0)])
 def test_a_stamp_is_read_in_either_byte_order(order, mark):
     assert header_stamp(bytes([0, mark, 0, 0]) + struct.pack(f"{order}iI", 7, 8)) == 7_000_000_008

@@ -128,6 +128,8 @@ def test_yaml_is_a_ros_parameter_file_that_loads_again(tmp_path):
         ("nmpc_controller: {ros__parameters: {rnage: 1.0}}", "'rnage' is unknown"),
         ("/**/nmpc_controller: {ros__parameters: {range: far}}", "'nmpc_controller': .*far"),
         ("a: !!python/object/apply:os.system ['true']", "cannot be read"),
+        ("a: 2020-13-45", "cannot be read"),
+        ("nmpc_controller: {ros__parameters: {1: 2}}", "1 is no name of a parameter"),
     ],
 )
 def test_bad_files_are_refused_with_the_reason(tmp_path, text, message):
@@ -149,6 +151,12 @@ def test_unknown_configuration_lists_the_known(name):
 def test_bad_overrides_say_what_they_must_be(override):
     with pytest.raises(ParameterError, match="SECTION.PARAMETER=VALUE"):
         load_configuration("paper", [override])
+
+
+@pytest.mark.parametrize("value", ["2020-13-45", "!!float abc", "!!binary x", "9" * 5000])
+def test_an_override_that_cannot_be_read_is_named(value):
+    with pytest.raises(ParameterError, match="range"):
+        load_configuration("paper", [f"nmpc_controller.range={value}"])
 
 
 @pytest.mark.parametrize(

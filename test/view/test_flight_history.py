@@ -138,6 +138,13 @@ def test_changes_of_mode_and_nodes_that_report_worse_are_marked():
     ]
 
 
+def test_what_happens_while_time_stands_is_told_to_who_has_its_rows():
+    history = noted([0.0, 0.2])
+    history.note(sight(0.2, mode=FallbackMode.SILENCE, reason="disengaged"))
+    told = strict(history.as_json(0.2))
+    assert (told["rows"], told["events"]) == ([], [[0.2, 2, "silence: disengaged"]])
+
+
 def test_a_time_that_begins_anew_begins_a_new_history():
     history = noted([5.0, 6.0])
     history.note(sight(0.0))

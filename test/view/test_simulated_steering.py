@@ -48,6 +48,20 @@ def test_they_begin_where_the_aircraft_is(leader):
         np.testing.assert_allclose(rival.position, place, atol=1e-6)
 
 
+def test_one_that_fails_is_left_behind_whatever_it_raises(leader, monkeypatch):
+    rivals = Rivals(leader)
+    rivals.fly(True)
+    follow = Rival.follow
+
+    def failing(rival):
+        if rival.law == "l1":
+            raise RuntimeError("of a user's plant")
+        return follow(rival)
+
+    monkeypatch.setattr(Rival, "follow", failing)
+    assert set(fly(leader, rivals, 1.0 / leader.rate)) == set(law_names()) - {"l1"}
+
+
 def test_the_law_that_is_flown_is_its_own_rival(leader):
     """In the same air about the same target it flies the same."""
     rival = Rival("l1", leader)

@@ -327,8 +327,11 @@ def _drain(supervisor: Supervisor, recorder: FlightRecorder, executor: EventsExe
     deadline = time.monotonic() + STOP_LIMIT
     while time.monotonic() < deadline and len(supervisor.dead()) < len(supervisor.processes):
         executor.spin_once(timeout_sec=0.05)
-    heard, silent = -1, 0.0  # others may go on publishing what is theirs
+    heard, silent = -1, 0.0
+    deadline = time.monotonic() + STOP_LIMIT  # others may go on publishing in this domain
     while recorder.heard > heard or time.monotonic() - silent < DRAIN_TIME:
+        if time.monotonic() > deadline:
+            break
         if recorder.heard > heard:
             heard, silent = recorder.heard, time.monotonic()
         executor.spin_once(timeout_sec=0.05)

@@ -279,6 +279,8 @@ def header_stamp(data: bytes | memoryview) -> int:
     Args:
         data: In CDR, whose second byte tells the order of bytes.
     """
+    if len(data) < STAMP_AT + LITTLE.size:
+        return 0  # it was torn off: decoding will say so
     seconds, rest = (LITTLE if data[1] & 1 else BIG).unpack_from(data, STAMP_AT)
     return int(seconds * SECOND + rest)
 

@@ -88,6 +88,10 @@ def read_sections(path: Path, known: Collection[str]) -> Sections:
         values = content.get("ros__parameters") if isinstance(content, Mapping) else None
         if not isinstance(values, Mapping):
             raise ParameterError(f"configuration {path}: section '{key}' has no ros__parameters")
+        if unnamed := [name for name in values if not isinstance(name, str)]:
+            raise ParameterError(
+                f"configuration {path}: section '{key}': {unnamed[0]!r} is no name of a parameter"
+            )
         sections[section].update(values)
     return sections
 
@@ -103,7 +107,7 @@ def read_yaml(path: Path, kind: str) -> Any:
         ParameterError: Not readable as YAML.
     """
     try:
-        return yaml.load(path.read_text(encoding="utf-8"), _Loader)
+        return read_value(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"{kind} {path} cannot be read: {error}") from error
 
@@ -117,7 +121,11 @@ def read_value(text: str) -> Any:
     Raises:
         yaml.YAMLError: It is none.
     """
-    return yaml.load(text, _Loader)
+    try:
+        return yaml.load(text, _Loader)
+    except (ValueError, KeyError, AttributeError, RecursionError) as error:
+        # Of a date that is none, an integer of thousands of digits, a tag of something else, ...
+        raise yaml.YAMLError(f"a value cannot be read: {error}") from error
 
 
 def override(sections: Sections, assignment: str) -> None:

@@ -238,14 +238,14 @@ class FlightHistory:
         """What the strip draws.
 
         Args:
-            since: Rows and events after it, in [s].
+            since: Rows after it, and events at it and after, in [s]: time may stand.
 
         Returns:
             ``generation``, ``columns``, ``rows``, ``events``, and ``modes``, each with its colour.
         """
         with self._lock:
             rows = ",".join(self._rows[bisect_right(self._times, since) :])
-            events = [event for event in self._events if event.time > since]
+            events = [event for event in self._events if event.time >= since]
             generation = self.generation
         head = json.dumps({"generation": generation, "events": events, **legend()}, allow_nan=False)
         return f'{head[:-1]}, "rows": [{rows}]}}'

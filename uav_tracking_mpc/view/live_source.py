@@ -201,7 +201,7 @@ class RosSteering(Steering):
         except NoAnswerError:
             return {}
 
-    def change(self, node: str, **values: Any) -> str:
+    def change(self, node: str, /, **values: Any) -> str:
         """See :meth:`Steering.change`."""
         return _answer(lambda: self._requests.change(node, values))
 

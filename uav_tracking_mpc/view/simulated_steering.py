@@ -270,7 +270,7 @@ class SimulatedSteering(Steering):
         # What flies is the mission's to say.
         return {**values, "plant": loop.plant.name} if node == SIMULATOR else values
 
-    def change(self, node: str, **values: Any) -> str:
+    def change(self, node: str, /, **values: Any) -> str:
         """See :meth:`Steering.change`."""
         changes = {
             CONTROLLER: self._change_controller,
@@ -433,7 +433,7 @@ class Rivals:
         for law in law_names() if wanted else ():
             try:
                 self._flying.append(Rival(law, self._leader))
-            except (ParameterError, SimulationError) as error:
+            except Exception as error:  # whatever a user's plant raises, the others fly
                 logger.warning("%s is not flown beside: %s", law, error)
 
     def follow(self) -> tuple[RivalSight, ...]:
@@ -444,7 +444,7 @@ class Rivals:
         for rival in list(self._flying):
             try:
                 seen.append(rival.follow())
-            except (ParameterError, SimulationError) as error:
+            except Exception as error:  # as above
                 logger.warning("%s is left behind: %s", rival.law, error)
                 self._flying.remove(rival)
         return tuple(seen)

@@ -252,7 +252,7 @@ class Steering(ABC):
         """
 
     @abstractmethod
-    def change(self, node: str, **values: Any) -> str:
+    def change(self, node: str, /, **values: Any) -> str:
         """Change parameters as a whole, or not at all.
 
         Args:

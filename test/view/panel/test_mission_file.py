@@ -63,6 +63,12 @@ def test_what_is_no_mission_or_is_refused_is_told():
     assert "section 'nonsense' is unknown" in fly_mission(steering, b"nonsense: {}")
     assert "/tmp" not in fly_mission(steering, b"{{{")
     assert fly_mission(steering, b"\xff\xfe")
+    for content, words in (
+        (b"/**/uav_simulator: {ros__parameters: {1: 2}}", "1 is no name of a parameter"),
+        (b"/**/uav_simulator: {ros__parameters: {wind: 2020-13-45}}", "cannot be read"),
+        (b"/**/mission: {ros__parameters: {duration: 5}}", "it says nothing of nmpc_controller"),
+    ):
+        assert words in fly_mission(steering, content)
     assert steering.asked == []
     steering.refusal = "the wind is too strong"
     assert "the wind is too strong" in fly_mission(steering, mission_of(steered(), "a").encode())

@@ -112,7 +112,7 @@ def counted(time, late):
 
 
 def test_late_plans_of_the_last_minute_are_counted(panel):
-    shown = panel(Timing).shown(counted(0.0, 5), counted(10.0, 5))
+    shown = panel(Timing).shown(sight(-1.0), counted(0.0, 5), counted(10.0, 5))
     assert "Solver: no late plan in the last minute" in shown.labels()
     shown.show(counted(20.0, 6))
     assert "Solver: 1 late plan in the last minute" in shown.labels()
@@ -225,6 +225,18 @@ def test_the_nearest_limit_is_that_of_which_most_is_used(more, words, used):
     margin = nearest_limit(sight(**more), TRACKING)
     assert margin.words == words
     assert margin.used == pytest.approx(used)
+
+
+def test_what_is_beyond_a_limit_that_has_no_other_side_is_told():
+    floor = load_configuration("small_uav", ["nmpc_controller.height_min=50"]).controller
+    low = sight(
+        position=np.array([300.0, 0.0, 40.0]), target=TargetSight(np.array([0.0, 0.0, 100.0]))
+    )
+    assert nearest_limit(low, floor) == ("altitude, -10.0 m left", 1.0)
+    above = load_configuration("small_uav", ["nmpc_controller.airspeed_min=0"]).controller
+    margin = nearest_limit(sight(airspeed=33.0), above)
+    assert margin.words == "airspeed, -1.0 m/s left"
+    assert margin.used > 1.0
 
 
 def test_a_fence_is_a_limit():

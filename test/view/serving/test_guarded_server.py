@@ -72,7 +72,10 @@ def test_who_may_open_a_page(words, path, hosts, origins):
 def test_the_cookie_stands_for_the_token():
     access = Access("secret")
     name, _, rest = access.cookie.partition("=")
-    assert access.refusal("/", [HERE], [], [f"theme=dark; {name}={rest.partition(';')[0]}"]) == ""
+    own = f"{name}={rest.partition(';')[0]}"
+    for other in ("theme=dark", 'prefs={"a":1}', "no cookie", "user=Müller"):  # of other programs
+        for cookies in (f"{other}; {own}", f"{own}; {other}"):
+            assert access.refusal("/", [HERE], [], [cookies]) == ""
     for wrong in (f"{name}=wrong", "uav_tracking=secret"):
         assert "token" in access.refusal("/", [HERE], [], [wrong])
     assert "HttpOnly" in rest and "SameSite=Strict" in rest

@@ -94,6 +94,8 @@ def fly_mission(steering: Steering, content: bytes) -> str:
         if values and node in steering.nodes:
             refusal = steering.change(node, **values)
             (refusals if refusal else flown).append(refusal or node)
+    if not (refusals or flown):
+        return f"it says nothing of {', '.join(sorted(steering.nodes))}"
     if refusals and flown:
         refusals.append(f"what it says of {' and '.join(flown)} is flown")
     return "; ".join(refusals)

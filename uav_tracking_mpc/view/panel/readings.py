@@ -205,12 +205,10 @@ class Timing(PanelPart):
 
     def _late_plans(self, sight: Sight) -> int:
         """Plans of the last minute that were not finished in time, as the controller counts."""
-        counts = [
-            int(status.values.get(f"mode {mode.value}", 0))
-            for status in sight.statuses
-            for mode in LATE
-        ]
-        kept = self._late
+        values = [status.values.get(f"mode {m.value}") for status in sight.statuses for m in LATE]
+        counts, kept = [int(value) for value in values if value is not None], self._late
+        if not counts:  # nobody has reported yet
+            return 0
         if kept and (sight.time < kept[-1][0] or sum(counts) < kept[-1][1]):
             kept.clear()  # time, or the controller, began anew
         kept.append((sight.time, sum(counts)))
@@ -366,9 +364,13 @@ def nearest_limit(sight: Sight, tracking: TrackingParameters | None) -> Margin |
             half = 0.5 * (one.most - one.least)
             used = abs(one.value - 0.5 * (one.most + one.least)) / half
             left = min(one.most - one.value, one.value - one.least)
-        else:  # a least distance or height
-            used = one.least / max(one.value, 1e-9) if one.least > 0.0 else 0.0
-            left = one.value - one.least
+        else:
+            bound, left = one.most, one.most - one.value
+            share = one.value / max(bound, 1e-9)
+            if low:
+                bound, left = one.least, one.value - one.least
+                share = bound / max(one.value, 1e-9)
+            used = max(share if bound > 0.0 else 0.0, float(left <= 0.0))
         margins.append(Margin(f"{one.name.lower()}, {number(left)} {one.unit} left", used))
     limits = () if tracking is None else tracking.envelope.limits
     for limit in limits:

@@ -49,7 +49,6 @@ import threading
 import warnings
 from collections.abc import Awaitable, Callable, Collection, Iterator, Mapping, Sequence
 from http import HTTPStatus
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -122,14 +121,11 @@ class Access:
         return f"uav_tracking_{hashlib.sha256(self._token.encode()).hexdigest()[:8]}"
 
     def _in_cookies(self, cookies: Sequence[str]) -> bool:
-        for text in cookies:
-            try:
-                kept = SimpleCookie(text).get(self._cookie_name)
-            except CookieError:
-                continue
-            if kept is not None and _same(kept.value, self._token):
-                return True
-        return False
+        # Those of all programs on this host come along; a reader of cookies would refuse them all
+        # for one that is not well formed.
+        pairs = (pair.strip().partition("=") for text in cookies for pair in text.split(";"))
+        known = (value for name, _, value in pairs if name == self._cookie_name)
+        return any(_same(value, self._token) for value in known)
 
     def _is_known(self, host: str) -> bool:
         found = HOST.fullmatch(host)

@@ -254,8 +254,8 @@
       forget(drawn.name);
       return goLive(); // the time that was looked at is gone
     }
-    const rows = drawn.rows.concat(answer.rows), last = drawn.events.at(-1)?.[0] ?? -Infinity;
-    const events = drawn.events.concat(answer.events.filter(([time]) => time > last));
+    const rows = drawn.rows.concat(answer.rows), known = new Set(drawn.events.map(String));
+    const events = drawn.events.concat(answer.events.filter((each) => !known.has(String(each))));
     drawn = { ...drawn, ...answer, events };
     drawn.rows = rows.length > MOST ? rows.filter((_, k) => k % 2 === 0) : rows;
     dirty = true;
