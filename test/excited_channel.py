@@ -18,7 +18,12 @@ import numpy as np
 
 from uav_tracking_mpc.control.command_shaping import Doublets
 from uav_tracking_mpc.simulation.plants.vehicle import Channel
-from uav_tracking_mpc.studies.identification.flight_record import SPEED, ChannelRecord, Samples
+from uav_tracking_mpc.studies.identification.flight_record import (
+    SPEED,
+    TURN,
+    ChannelRecord,
+    Samples,
+)
 
 STEP = 0.05  # s
 
@@ -59,5 +64,10 @@ def record(
     if rate_noise is not None:
         rate = Samples(time, rates + rate_noise * random.standard_normal(len(time)))
     return ChannelRecord(
-        name, Samples(time, demand), Samples(time, measured), rate, np.ones(len(time))
+        name,
+        Samples(time, demand),
+        Samples(time, measured),
+        rate,
+        np.ones(len(time)),
+        banks=name == TURN,
     ).between_commands()

@@ -127,6 +127,14 @@ def test_an_airspeed_at_which_nobody_flies_is_left_out(airspeed, ground, impossi
     assert (air.impossible, air.missing) == (impossible, impossible)
 
 
+def test_before_anything_is_estimated_there_is_nothing_to_agree_with():
+    air = AirData(0.5)
+    air.limits = 14.0, 22.0
+    for airspeed, impossible in ((31.0, True), (20.0, False)):
+        air.see_state(replace(measurement(), airspeed=airspeed))
+        assert air.impossible == impossible
+
+
 def test_an_airspeed_that_was_impossible_must_agree_before_it_is_used_again():
     air = AirData(0.5)
     air.limits, air.estimated = (14.0, 22.0), 16.0

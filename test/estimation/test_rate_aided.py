@@ -20,7 +20,13 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED, begin, begin_values, smoothed
+from uav_tracking_mpc.estimation.rate_aided import (
+    RATE_AIDED,
+    RATE_BIAS,
+    begin,
+    begin_values,
+    smoothed,
+)
 
 STEP = 0.05
 
@@ -52,6 +58,11 @@ class Heading:
         self._known = np.array(self._update(self._known, elapsed, *seen)).ravel()
 
 
+def _as_of(aided, other):
+    aided._known, aided._begun = other._known.copy(), True
+    return aided
+
+
 def filtered(count=2000, noise=0.0, bias=0.0, seed=0, told=0.0):
     """Filter after a course of turns, the errors of its values and the truth at its end."""
     random, errors = np.random.default_rng(seed), []
@@ -75,6 +86,20 @@ def test_the_bias_of_the_rate_is_found(bias):
     aided, errors = filtered(bias=bias)
     assert aided.parts.bias[0] == pytest.approx(bias, abs=2e-4)
     assert np.abs(errors[-100:]).max() < 1e-4
+
+
+def test_a_bias_is_kept_and_can_be_found_after_a_rate_that_has_none():
+    """As of a gyro whose turn the bank tells for a while."""
+    aided = Heading(biased=False)
+    for k in range(1200):
+        if k == 200:
+            assert aided.parts.bb[0] == RATE_BIAS[0] ** 2
+            aided = _as_of(Heading(), aided)
+        aided.update(STEP, 0.1 * k * STEP, 0.1 + 0.035 * (k >= 200), 0.0)
+    assert aided.parts.bias[0] == pytest.approx(0.035, abs=2e-3)
+    still = _as_of(Heading(biased=False), aided)
+    still.update(STEP, 0.1 * 1200 * STEP, 0.1, 0.0)
+    assert still.parts.bias[0] == aided.parts.bias[0]
 
 
 def test_a_rate_that_nobody_tells_is_found_from_the_angle():

@@ -70,6 +70,13 @@ def test_the_segments_of_a_plan_follow_each_other_until_another_is_sent():
     np.testing.assert_allclose(candidates.at(11.1)[0, 7, 0], 2.0)  # of 0.35 s before
 
 
+def test_what_a_plan_says_of_before_it_was_sent_was_not_flown():
+    candidates = ResponseCandidates()
+    candidates.commanded(8.0, 8.0, np.full((5, 3), 0.2), 1.0)
+    candidates.commanded(10.2, 9.0, np.outer([-0.3, 0.2, 0.2], np.ones(3)), 1.0)
+    np.testing.assert_allclose(candidates.at(10.5)[0, :, 0], 0.2)
+
+
 def test_it_never_runs_out_of_memory():
     candidates = ResponseCandidates()
     for tick in range(3 * CAPACITY):

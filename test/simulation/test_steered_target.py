@@ -101,6 +101,13 @@ def test_it_goes_to_a_goal_and_stands_there(speed, flown):
     assert (target.parameters.motion, target.heading_for(600.0)) == ("stationary", None)
 
 
+def test_on_its_way_to_a_goal_it_goes_on_there_whatever_else_changes():
+    target = SteeredTarget(replace(LINE, motion="stationary", position=(0.0, 0.0, 0.0)))
+    target.go_to(0.0, (100.0, 0.0, 0.0))
+    target.change(5.0, replace(target.parameters, speed=10.0))
+    np.testing.assert_allclose(target.position(60.0), [100.0, 0.0, 0.0])
+
+
 def test_before_a_change_it_stands_where_that_was():
     """Time that goes back finds no motion of before."""
     target = SteeredTarget(LINE)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 CONNECT_LIMIT = 10.0  # s to find an autopilot
 FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD"
 SECTION = "autopilot_link"
+SIMULATED = "ardupilot", "px4"  # links behind which an autopilot can be simulated
 DOMAIN_WORDS = (
     "ROS domain to fly in (default: ROS_DOMAIN_ID where it is exported, else one that no other "
     "launch uses)"
@@ -437,6 +438,8 @@ def check_link_arguments(arguments: argparse.Namespace) -> None:
     """
     if arguments.simulated and arguments.connection is not None:
         raise ParameterError("--simulated has a connection of its own: leave --connection out")
+    if arguments.simulated and arguments.link not in (None, *SIMULATED):
+        raise ParameterError(f"--simulated flies a link of {' or '.join(SIMULATED)} alone")
     if arguments.link is None:
         for name in ("connection", "origin", "target_system", "signing_key", "engage", "simulated"):
             if getattr(arguments, name):

@@ -91,6 +91,8 @@ def _live(arguments: argparse.Namespace) -> FlightSource:
     from uav_tracking_mpc.nodes.ros.ros_environment import stay_on_this_machine
     from uav_tracking_mpc.view.live_source import LiveSource
 
+    if arguments.config is not None or arguments.overrides:
+        raise ParameterError("--config and --set need a BAG: a flight tells its own limits")
     stay_on_this_machine()
     return LiveSource(arguments.domain_id)
 

@@ -205,7 +205,8 @@ class AirData:
         flies = math.hypot(*measurement.ground_velocity.tolist()) > low * least
         if airspeed > high * most or (airspeed < low * least and flies):
             return True
-        return self.impossible and not low <= airspeed / max(self.estimated, SLOW) <= high
+        off = self.estimated > 0.0 and not low <= airspeed / max(self.estimated, SLOW) <= high
+        return self.impossible and off
 
     def _compare(self, measurement: Measurement, elapsed: float) -> None:
         """Whether heading and ground velocity change as the aircraft does."""

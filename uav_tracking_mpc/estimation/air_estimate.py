@@ -410,7 +410,7 @@ def _step() -> ca.Function:
             path_angle,
             airspeed * (1.0 - state[ALPHA]),
         ),
-        rates=ca.vertcat(seen.rates[:2] - aided.bias[:2], seen.rates[2]),
+        rates=ca.vertcat(seen.rates[:2] - (seen.biased * aided.bias)[:2], seen.rates[2]),
         wind=state[W],
         trend=ca.vertcat(state[T], 0.0),
         gust=gust,

@@ -112,13 +112,14 @@ def smoothed(
     total = xx + ca.fmax(meters.held, ca.DM(LEAST_NOISE) ** 2)
     gain_x, gain_b = xx / total, xb / total
     most = DEVIATIONS * ca.sqrt(total)  # a jump is no bias of the rate
+    bias += gain_b * ca.fmax(-most, ca.fmin(innovation, most))
     return SimpleNamespace(
         value=value + gain_x * innovation,
-        bias=bias + gain_b * ca.fmax(-most, ca.fmin(innovation, most)),
+        bias=ca.if_else(biased, bias, known.bias),  # a gyro keeps it while the bank tells the turn
         rate=rates,
         integral=integral,
         xx=xx - gain_x * xx,
         xb=xb - gain_x * xb,
-        bb=bb - gain_b * xb,
+        bb=ca.if_else(biased, bb - gain_b * xb, known.bb),
         meters=meters,
     )

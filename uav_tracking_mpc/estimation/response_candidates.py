@@ -73,6 +73,7 @@ class ResponseCandidates:
         rates = np.repeat(inputs, len(LAGS))
         PIECE.fill(self._pieces[0], held=inputs, rates=rates, gained=0.0)
         self._plan, self.end = (time, inputs[np.newaxis], 1.0), time
+        self._sent = time  # segments of the plan from before are none
 
     def commanded(
         self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
@@ -87,6 +88,7 @@ class ResponseCandidates:
         """
         self._follow_plan(sent)
         self._plan, self.end = (begin, inputs, step), begin + step * len(inputs)
+        self._sent = sent
         segment = min(max(int((sent - begin) / step), 0), len(inputs) - 1)
         self._change(max(sent, float(self._times[self._newest])), inputs[segment])
 
@@ -111,7 +113,7 @@ class ResponseCandidates:
 
     def _follow_plan(self, time: float) -> None:
         """The present plan's segments up to a time, which is past the last change."""
-        (begin, inputs, step), last = self._plan, float(self._times[self._newest])
+        (begin, inputs, step), last = self._plan, max(float(self._times[self._newest]), self._sent)
         for segment in range(1, len(inputs)):
             if last < begin + segment * step <= time:
                 self._change(begin + segment * step, inputs[segment])

@@ -33,7 +33,7 @@ from uav_tracking_mpc.settings.configuration import Configuration
 MOST = 20  # aircraft on one machine
 AIRCRAFT = "Aircraft"  # the group of displays that every aircraft gets
 TRANSFORMS = ("/tf", "/tf_static")
-NAMESPACE = re.compile(r"(/?[A-Za-z]\w*(/[A-Za-z]\w*)*)?")
+NAMESPACE = re.compile(r"(/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*)?", re.ASCII)
 
 SWITCH = ("true", "false")
 # Launch arguments of one aircraft and of several by name: default, what is allowed, and meaning.
@@ -185,7 +185,7 @@ def namespaces(namespace: str, count: str) -> tuple[str, ...]:
             f"argument 'namespace' is {namespace!r}, must be empty or names of letters, digits and "
             "underscores with slashes between them"
         )
-    if count == "1":
+    if int(count) == 1:
         return (namespace,)
     return tuple("/".join(filter(None, (namespace, f"uav{k + 1}"))) for k in range(int(count)))
 

@@ -408,6 +408,10 @@ def autopilot_process(configuration: Configuration, console: Console) -> Iterato
         if configuration.link.origin:
             # One word: South of the equator two would look like an option.
             arguments.append("--origin=" + ",".join(map(str, configuration.link.origin)))
+        if configuration.link.signing_key:
+            arguments += ["--signing-key", configuration.link.signing_key]
+        if configuration.link.target_system:
+            arguments += ["--target-system", str(configuration.link.target_system)]
         process = NodeProcess("autopilot", COMMAND, arguments, console)
         try:
             yield f"udpin:{place}"

@@ -204,8 +204,6 @@ class OrbitLoop:
         Args:
             parameters: The new ones.
         """
-        if self._formulation is not None:
-            self._formulation.change(parameters)
         self._take(parameters)
 
     def _take(self, parameters: TrackingParameters) -> None:

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 from typing import Any, TypeGuard, TypeVar, cast
 
@@ -117,7 +117,8 @@ class Specification:
 
     def _convert(self, value: Any) -> Value:
         if isinstance(self.default, tuple):
-            if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
+            ordered = hasattr(value, "__iter__") and not isinstance(value, (Mapping, Set))
+            if isinstance(value, (str, bytes)) or not ordered:
                 raise self._error(value)
             elements = tuple(value)
             if not all(is_number(element) for element in elements):

@@ -394,7 +394,7 @@ def _failures(numbers: dict[str, Any]) -> list[str]:
         )
     if commands["failsafe"]:
         times = "once" if commands["failsafe"] == 1 else f"{commands['failsafe']} times"
-        sentences.append(f"The vehicle ran out of plan {times} and held wings level.")
+        sentences.append(f"There was no plan {times}: the loiter law or level wings were flown.")
     for name, sensor in numbers["sensors"].items():
         if sensor["faults"]:
             first, lost = sensor["faults"][0], sensor["refused"]

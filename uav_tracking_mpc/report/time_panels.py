@@ -308,7 +308,8 @@ def _limits(log: FlightLog, *names: str) -> list[float]:
 
 def _span(values: NDArray[np.float64], form: str) -> str:
     """From the least to the greatest value in words; none where there is none."""
-    return form.format(np.nanmin(values), np.nanmax(values)) if len(values) else ""
+    known = values[np.isfinite(values)]
+    return form.format(known.min(), known.max()) if len(known) else ""
 
 
 def _bank_panel(axes: Axes, log: FlightLog) -> None:

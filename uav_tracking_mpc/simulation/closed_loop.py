@@ -20,6 +20,7 @@ import math
 from array import array
 from collections import Counter, deque
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -274,7 +275,8 @@ class ClosedLoop:
                 f"the target was never seen in {duration:g} s: see "
                 "target_publisher.dropout and target_publisher.delay"
             )
-        self._sample()
+        with suppress(Exception):  # of a plant that has failed there is all that was flown before
+            self._sample()
         formulation, modes = self.controller.formulation, recorder.modes
         samples = np.array(recorder.samples).reshape(-1, SAMPLE).T
         commands = np.array(recorder.commands).reshape(-1, 7).T

@@ -42,7 +42,8 @@ class CommandCounts:
         sent: Commands published by the controller.
         late: Commands that came more than half a control period after they were due.
         plan_reused: Commands taken from an earlier plan because no new one was available.
-        failsafe: Wings level, commanded by the controller or because the vehicle ran out of plan.
+        failsafe: Flown without a plan: by the loiter law, or wings level, because the controller
+            said so or the vehicle had come to the end of its plan.
     """
 
     sent: int = 0

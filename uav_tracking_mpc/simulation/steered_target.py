@@ -60,6 +60,7 @@ class SteeredTarget:
         self.parameters = parameters
         self._motion, self._began, self._changed = motion_of(parameters), 0.0, -math.inf
         self._approach: _Approach | None = None
+        self._to_position = False  # whether that leads to the ``position`` that was asked for
 
     def check(self, parameters: TargetParameters) -> None:
         """Whether other parameters can be taken.
@@ -94,7 +95,9 @@ class SteeredTarget:
         """
         self.check(parameters)
         if _motion_alone(parameters) != _motion_alone(self.parameters):
-            self._begin(time, parameters, parameters.position != self.parameters.position)
+            moved = parameters.position != self.parameters.position
+            on_its_way = self._to_position and time < self._began
+            self._begin(time, parameters, moved or on_its_way)
         self.parameters = parameters
 
     def go_to(self, time: float, goal: ArrayLike) -> None:
@@ -160,6 +163,7 @@ class SteeredTarget:
         way, speed = motion.position(0.0) - place, parameters.speed or GOING_SPEED
         duration = float(np.linalg.norm(way)) / speed
         self._approach = _Approach(place, way / max(duration, 1e-12))
+        self._to_position = elsewhere
         self._motion, self._began, self._changed = motion, time + duration, time
 
 

@@ -239,7 +239,7 @@ def _fly(parameters: TrackingParameters, situation: Situation, steps: int) -> Ro
         "cold_failures": int(not flown[0].converged),
         "steps": len(flown),
         "converged": sum(solution.converged for solution in flown),
-        "feasible": sum(solution.violation <= FEASIBLE for solution in flown),
+        "feasible": sum(solution.violation <= FEASIBLE for solution in flown if flown[0].converged),
         "cost_rises": len(rises),
         "worst_rise": max(rises, default=0.0),
         "cold": cold,

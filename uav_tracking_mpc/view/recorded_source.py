@@ -345,7 +345,7 @@ def _recorded_beside(path: Path) -> TrackingParameters | None:
         return None
     try:
         return recorded_parameters(record)
-    except (ValueError, OSError) as error:
+    except Exception as error:  # whatever is in that file, the bag is shown
         logger.warning("the limits are not shown: %s cannot be read: %s", record, error)
         return None
 

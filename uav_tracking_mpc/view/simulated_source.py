@@ -276,15 +276,14 @@ class SimulatedFlight(FlownFlight):
             clock.seek(loop.time)
         try:
             tick = loop.tick()
-        except Exception as error:  # whatever a user's plant raises, the page goes on
-            logger.warning(f"the plant failed, reset it to fly on: {error}")
-            self._fail(str(error))
-        else:
             sight = self._sights.at(tick)
             self.sight = replace(sight, rivals=self.steering.rivals.follow())
             self.keep(self.sight)
             if self._witness is not None:
                 self._witness(tick.time, tick.measured, tick.command)
+        except Exception as error:  # whatever a user's plant or motion raises, the page goes on
+            logger.warning(f"the flight cannot go on, reset it to fly on: {error}")
+            self._fail(str(error))
         return 0.0
 
     def _look_again(self) -> None:
@@ -351,4 +350,4 @@ class SimulatedSource(FlightSource):
         wait = 0.0
         while not self._closed.is_set():
             self._flight.requests.serve(wait)
-            wait = self._flight.advance()
+            wait = min(self._flight.advance(), STANDING)  # soon enough to be closed

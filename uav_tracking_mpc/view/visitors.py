@@ -327,23 +327,23 @@ class Visitors:
         """
         number = _number(query, "page")
         visitor = None if number is None else self._visitors.get(int(number))
-        shown = self._watched
+        shown = watched = self._watched  # another thread may draw meanwhile
         view, name = "", next(iter(shown), "")
         if number is not None and visitor is not None:
             visitor.asked = _number(query, "time")
             visitor.follow_theme(query.get("dark", [""])[0])
             shown = visitor.past or shown
             view, name = visitor.seat.choice
-        clock, live = self._source.clock, self._watched.get(name)
+        clock, live = self._source.clock, watched.get(name)
         told_now: dict[str, Any] = {
             "server": self._server,
             "known": visitor is not None,
             "age": round(max(time.monotonic() - self._at, 0.0), 2),
-            "names": list(self._watched),
+            "names": list(watched),
             "name": name,
             "view": view,
             "record": None if clock is None else [clock.begin, clock.end],
-            "past": shown is not self._watched,
+            "past": shown is not watched,
             "live": None if live is None else told(live[1].time, EXACT),
             "alert": (1, self._source.words) if live is None else alert_of(live[1], clock),
             "sight": figures(shown[name][1], shown[name][0].tracking) if name in shown else None,

@@ -16,6 +16,7 @@
 
 import contextlib
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,6 +25,7 @@ from solver_problems import paper_solver
 
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.solver import Status
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.benchmark import benchmark_study as module
 from uav_tracking_mpc.studies.benchmark.benchmark_study import (
@@ -84,6 +86,14 @@ def test_summary_has_the_figures_of_every_solver():
     for row in figures.values():
         assert row["p99_us"] >= row["transient_median_us"] > 0.0
         assert row["alternating_p99_us"] >= row["alternating_median_us"] > 0.0
+
+
+def test_a_state_that_nobody_solved_is_nobodys_best(monkeypatch):
+    case = paper_case(10)
+    records = measure(case, {OURS: paper_solver()}, repetitions=1, cold=2, peers_cold=2, seed=0)
+    (plan, duration), other = records[OURS].cold
+    records[OURS].cold[:] = [(replace(plan, status=Status.ITERATION_LIMIT), duration), other]
+    assert summary(records)[OURS]["best_cost_share"] == 0.5
 
 
 def test_further_solvers_are_timed_and_those_that_are_lost_are_left_out(monkeypatch):

@@ -124,6 +124,13 @@ def test_settled_is_inside_for_long_enough(flown, settled):
     assert CRITERIA.settled_at(TIME, flown) == settled
 
 
+def test_settled_at_once_is_inside_for_a_sample():
+    at_once = Criteria(beyond=30.0, settled_for=0.0)
+    assert at_once.settled_at(TIME, error()) == 0.0
+    assert at_once.settled_at(TIME, error((0.0, 90.0), (40.0, -12.0))) == 40.0
+    assert at_once.settled_at(TIME, error((0.0, 90.0))) is None
+
+
 @pytest.mark.parametrize(
     ("flown", "found"),
     [
@@ -314,6 +321,13 @@ def test_those_of_the_package_can_be_flown(name):
         ({"groups": {"a": {"share": 0.4}}}, "add up to 0.4, must be 1"),
         ({"groups": {"a": {"errors": "some"}}}, "'errors' is 'some'"),
         ({"groups": {"a": {"range": 2.0}}}, "'range' is 2.0, must be a number from 0 to 1"),
+        (
+            {
+                "errors": {"lag": {"uav_simulator.rate_lag": {"uniform": [0.1, 0.2]}}},
+                "groups": {"a": {"range": 0.5}},
+            },
+            "'uav_simulator.rate_lag' is a list",
+        ),
         ({"failure": {"crash": {}}}, "'crash' is unknown"),
         ({"failure": {"orbit_lost": {"by": 3.0}}}, "has no 'by'"),
         ({"failure": {"limit_passed": {"limits": ["bang"]}}}, "'limits' is ['bang']"),

@@ -15,6 +15,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ from uav_tracking_mpc.studies.campaign.campaign_results import (
     campaign_study,
     common_traits,
     quantiles,
+    swept_parts,
     trait_table,
     worst_first,
 )
@@ -218,3 +220,10 @@ def test_a_sweep_has_a_line_for_each_combination(tmp_path):
     lines = [row[1] for row in study.tables["failures"].rows]
     assert lines == ["all", "nmpc_controller.range = 250", "nmpc_controller.range = 300"]
     assert png(study.figures["campaign"]())
+
+
+def test_an_interrupted_sweep_keeps_its_flights_apart(results):
+    campaign = SimpleNamespace(swept=("wind",), flights=3)
+    rows = [{"flight": flight} for flight in (0, 2, 3, 4, 5, 7)]
+    parts = swept_parts(replace(results, campaign=campaign), rows)
+    assert [[row["flight"] for row in part] for part in parts] == [[0, 2], [3, 4, 5], [7]]

@@ -206,8 +206,12 @@ def test_of_several_flights_each_figure_is_the_worst():
     assert worst([one]) is one
 
 
+def lasting(duration):
+    return replace(CROSSWIND, mission=replace(CROSSWIND.mission, duration=duration))
+
+
 def missed(asked, **figures):
-    return asked.missed(CROSSWIND, {"nmpc": flight(**figures)})
+    return asked.missed(lasting(300.0), {"nmpc": flight(**figures)})
 
 
 def told(*news):
@@ -254,6 +258,13 @@ ONCE_IT_DEPARTS = AskedOfSensors(named="airspeed", departed=5.0)
 def test_a_sensor_is_to_be_named_in_time_and_used_again(asked, departed, news, words):
     lines = missed(asked, airspeed_departed_s=(departed,), sensors=told(*news))
     assert not lines if words is None else any(words in line for line in lines)
+
+
+def test_in_a_shorter_mission_what_fails_is_to_be_named_sooner():
+    for named, words in ((61.0, []), (59.0, ["the airspeed was never named"])):
+        asked = AskedOfSensors(named="airspeed", within=2.0)
+        flown = flight(airspeed_departed_s=(None,), sensors=told((named, "off")))
+        assert asked.missed(lasting(150.0), {"nmpc": flown}) == words
 
 
 def test_what_is_asked_of_sensors_is_said_in_words():

@@ -14,6 +14,7 @@
 
 """What is said of a flight, and pasted from it."""
 
+import copy
 import math
 from dataclasses import replace
 
@@ -73,6 +74,17 @@ def test_limits_are_pasted_where_they_showed(found):
     assert controller["bank_max"] == pytest.approx(math.atan(gains[0]), abs=1e-3)
     assert controller["acceleration_max"] == pytest.approx(1.5 * gains[2], abs=1e-3)
     assert "acceleration_min" not in controller and "pitch_rate_max" not in controller
+
+
+def test_without_an_airspeed_the_limit_of_a_turn_is_no_bank(found):
+    turn = replace(found[0], limits=Limits(-0.25, 0.25))
+    fit = copy.copy(turn.fit)
+    fit.record = replace(turn.fit.record, banks=False)
+    blind = replace(turn, fit=fit)
+    assert blind.observed_limits == (None, None)
+    assert blind.largest_bank is None
+    assert "bank_max" not in parameters_to_paste([blind])
+    assert "bank_max" in parameters_to_paste([turn])
 
 
 def test_what_is_not_known_is_said(found):

@@ -73,6 +73,12 @@ def test_still_air_takes_away_what_is_no_error_of_the_aircraft(configuration):
     assert still.simulator.gust_intensity == 0.0
     assert not np.any(still.simulator.wind)
     assert still.simulator.rate_lag == configuration.simulator.rate_lag
+    rates = {}
+    for rate in (10.0, 15.0, 20.0, 30.0):  # commands come with every state or every second one
+        tracking = replace(configuration.controller, control_rate=rate)
+        rates[rate] = in_still_air(replace(configuration, controller=tracking))
+    found = {rate: each.controller.control_rate for rate, each in rates.items()}
+    assert found == {10.0: 10.0, 15.0: 10.0, 20.0: 20.0, 30.0: 20.0}
     log = simulate(replace(still, mission=replace(still.mission, duration=2.0)))
     assert np.abs(log.error[:, 0]).max() < 1.0  # it begins on the orbit
 

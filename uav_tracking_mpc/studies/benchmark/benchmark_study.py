@@ -285,6 +285,7 @@ def summary(records: Mapping[str, Record]) -> dict[str, dict[str, Any]]:
         ]
     )
     best = costs <= np.min(costs, axis=0, initial=np.inf) * (1.0 + COST_MARGIN)
+    best &= np.isfinite(costs)
     return {
         name: {**_figures(record), "best_cost_share": _share(shares), "best_cost_states": common}
         for (name, record), shares in zip(records.items(), best, strict=True)

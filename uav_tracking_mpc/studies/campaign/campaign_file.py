@@ -77,7 +77,7 @@ from uav_tracking_mpc.settings.configuration import (
 )
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.studies.campaign.uncertain_inputs import check_value, read
+from uav_tracking_mpc.studies.campaign.uncertain_inputs import check_value, is_whole_list, read
 from uav_tracking_mpc.studies.comparison.measures import violations
 
 CONSTANT, CHOICE, SWEPT, GRID = "constant", "choice", "values", "grid"
@@ -262,11 +262,12 @@ class Criteria:
             time: Of the samples in [s], shape (n,).
             error: r - r_d in [m], shape (n,).
         """
-        outside = np.flatnonzero(~(np.abs(error) <= self.beyond))
-        begins = np.concatenate([time[:1], time[np.minimum(outside + 1, len(time) - 1)]])
-        ends = np.concatenate([time[outside], time[-1:]])
-        long = np.flatnonzero(ends - begins >= self.settled_for)
-        return float(begins[long[0]]) + self.settled_for if len(long) else None
+        inside = np.abs(error) <= self.beyond
+        outside = np.flatnonzero(~inside)
+        first = np.minimum(np.append(0, outside + 1), len(time) - 1)
+        ends = np.append(time[outside], time[-1])
+        long = np.flatnonzero(inside[first] & (ends - time[first] >= self.settled_for))
+        return float(time[first[long[0]]]) + self.settled_for if len(long) else None
 
     def failures(
         self, log: FlightLog, error: NDArray[np.float64], parameters: TrackingParameters
@@ -427,6 +428,12 @@ def _campaign(
     if swept:
         raise ParameterError(f"'{swept[0]}' is swept, which only what is under 'draw' can be")
     groups = _groups(content.pop("groups", {}), bool(errors))
+    if any(group.range < 1.0 for group in groups):
+        drawn = [(k, draw) for each in errors.values() for k, draw in each.items()]
+        for key, draw in drawn:
+            if draw.kind not in (CONSTANT, CHOICE) and is_whole_list(base.sections, key):
+                words = f"'{key}' is a list: a group with a 'range' draws its components alone"
+                raise ParameterError(f"{words}, such as '{key}[0]'")
     failure = _mapping(content.pop("failure", {}), "failure", tuple(CRITERIA))
     content |= {"laws": list(laws)} if laws else {}
     content |= {} if flights is None else {"flights": flights}

@@ -258,7 +258,10 @@ def swept_parts(results: CampaignResults, rows: Sequence[Row]) -> list[list[Row]
     if not results.campaign.swept:
         return []
     size = results.campaign.flights
-    return [list(rows[begin : begin + size]) for begin in range(0, len(rows), size)]
+    parts: dict[int, list[Row]] = {}
+    for row in rows:  # some are missing where the campaign was interrupted
+        parts.setdefault(row["flight"] // size, []).append(row)
+    return list(parts.values())
 
 
 def worst_traits(rows: Sequence[Row], inputs: Sequence[str]) -> list[Trait]:

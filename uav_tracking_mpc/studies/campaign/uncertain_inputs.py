@@ -212,6 +212,22 @@ def read(sections: Sections, key: str) -> Any:
     return _input(sections, key).read(sections)
 
 
+def is_whole_list(sections: Sections, key: str) -> bool:
+    """Whether a key names a list, all components of which take the value that is drawn.
+
+    Args:
+        sections: Of the configuration.
+        key: As in the campaign's file.
+
+    Raises:
+        ParameterError: There is no such parameter.
+    """
+    place = _input(sections, key)
+    if isinstance(place, Derived) or place.index is not None:
+        return False
+    return isinstance(place.specification.default, tuple)
+
+
 def write(sections: Sections, values: Mapping[str, Any]) -> None:
     """Put values into a configuration, parameters first, then what is derived from them.
 

@@ -108,6 +108,7 @@ class ChannelRecord:
         rate: The rate itself, where it is measured.
         leverage: By what the demand is multiplied before it meets its limit, at each demand,
             shape (m,), in [s] or [-]: v / g in a turn, which banks by tan(bank) = v u_psi / g.
+        banks: Whether it is: the airspeed of a turn is known.
     """
 
     name: str
@@ -115,6 +116,7 @@ class ChannelRecord:
     state: Samples
     rate: Samples | None
     leverage: NDArray[np.float64]
+    banks: bool = False
 
     def between_commands(self) -> ChannelRecord:
         """The record without what was measured before or long after commands.
@@ -217,10 +219,11 @@ class FlightRecord:
         time = self.demand.time
         turn, path, speed = (Samples(time, inputs) for inputs in self.demand.value.T)
         ones = np.ones_like(time)
+        banks = self.airspeed is not None
         lateral = ones if self.airspeed is None else _smooth(time, self.airspeed) / GRAVITY
         heading = self.heading._replace(value=np.unwrap(self.heading.value))
         found = [
-            ChannelRecord(TURN, turn, heading, _moving(self.turn_rate), lateral),
+            ChannelRecord(TURN, turn, heading, _moving(self.turn_rate), lateral, banks),
             ChannelRecord(PATH, path, self.path_angle, _moving(self.path_angle_rate), ones),
         ]
         if self.airspeed is not None:

@@ -208,7 +208,12 @@ class ChannelIdentification:
 
     @property
     def observed_limits(self) -> tuple[float | None, float | None]:
-        """Limits of what is flown in [rad/s], [m/s^2] or, of a turn, bank [rad]; None: unseen."""
+        """Limits of what is flown in [rad/s], [m/s^2] or, of a turn, bank [rad]; None: unseen.
+
+        Without an airspeed the limit of a turn tells of no bank.
+        """
+        if self.name == TURN and not self.fit.record.banks:
+            return None, None
         gain = self.estimates.gain.value
         found = [float(gain * limit) if math.isfinite(limit) else None for limit in self.limits]
         if self.name == TURN:
@@ -217,9 +222,9 @@ class ChannelIdentification:
 
     @property
     def largest_bank(self) -> float | None:
-        """Greatest bank of the turns flown in [rad]; None of other channels."""
+        """Greatest bank of the turns flown in [rad]; None of other channels, or if unknown."""
         record = self.fit.record
-        if self.name != TURN:
+        if not record.banks:
             return None
         lever = np.interp(record.state.time, record.demand.time, record.leverage)
         return float(np.max(np.arctan(np.abs(self.fit.flown_rate() * lever))))

@@ -104,15 +104,17 @@ class FlownLoop(NamedTuple):
 def in_still_air(configuration: Configuration) -> Configuration:
     """The configuration about a target that stands in still air, beginning on the orbit.
 
-    Sensors have no noise; what else may be wrong with them or the aircraft stays.
+    Sensors have no noise; what else may be wrong with them or the aircraft stays. Commands come
+    with every state, or every second, and so on: evenly.
 
     Args:
         configuration: Of a flight.
     """
-    orbit = configuration.controller.orbit
+    orbit, rate = configuration.controller.orbit, configuration.simulator.state_rate
+    even = rate / math.ceil(rate / configuration.controller.control_rate - ROUNDING)
     return replace(
         configuration,
-        controller=replace(configuration.controller, direction=orbit.direction),
+        controller=replace(configuration.controller, direction=orbit.direction, control_rate=even),
         simulator=replace(
             configuration.simulator,
             wind=(0.0, 0.0, 0.0),

@@ -182,9 +182,10 @@ def random_states(
     return radius * directions(problem.ingredients().weight, count, generator)
 
 
-# What a proof excludes, in how many flights it happened: the state left X_f, an input left U, the
-# cost did not fall at some step, a solve failed.
+# In how many flights it happened: the state left X_f, an input left U, the cost did not fall at a
+# step, a solve failed. All are excluded by a proof, but that the NMPC leaves X_f on its way.
 EXCLUDED = ("left", "outside_inputs", "cost_rose", "failures")
+OBSERVED = ("nmpc", "left")
 
 
 def _result(law: str, flights: int, steps: int, largest: float, **counts: int) -> dict[str, Any]:
@@ -195,7 +196,7 @@ def _result(law: str, flights: int, steps: int, largest: float, **counts: int) -
         "steps": steps,
         **counts,
         "largest_height": largest,
-        "clean": not any(counts.values()),
+        "clean": not any(count for name, count in counts.items() if (law, name) != OBSERVED),
     }
 
 

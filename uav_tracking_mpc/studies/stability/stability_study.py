@@ -299,6 +299,7 @@ def stability_study(
     words: list[str | Table] = [numbers_table(rows), *verdicts(rows), as_words(analysis)]
     figures: dict[str, Callable[[], Figure]] = {}
     files: dict[str, bytes] = {}
+    clean = True
     if analysis.direct is not None and analysis.certified:
         written = certificate(problem, analysis.ingredients, analysis.direct)
         content["certificate_digest"] = written["digest"]
@@ -310,6 +311,7 @@ def stability_study(
                 fly_nmpc(problem, level, states, workers=workers),
             ]
             words += [f"  campaign {flown}" for flown in content["campaign"]]
+            clean = all(flown["clean"] for flown in content["campaign"])
         if points:
             maps = [
                 attraction_map(problem, level, where, horizon, workers)
@@ -341,7 +343,9 @@ def stability_study(
             ceiling = min(1.15 * max(marks.values()), 0.999 * varrho["domain"])
             figures["ellipsoid"] = partial(ellipsoid_figure, problem, level)
             figures["decrease"] = partial(decrease_figure, problem, marks, ceiling)
-    return Study("stability", content, words, figures=figures, files=files, good=analysis.certified)
+    return Study(
+        "stability", content, words, figures=figures, files=files, good=analysis.certified and clean
+    )
 
 
 SCALINGS = (1.5, 2.5, 4.0, 8.0)  # -, times P

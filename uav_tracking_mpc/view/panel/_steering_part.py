@@ -325,8 +325,8 @@ class ParameterPart(SteeringPart):
         unit = f" [{described.unit}]" if described.unit else ""
         slider = self.gui.add_slider(
             (label or name.replace("_", " ")) + unit,
-            min=round(min(least, value), 9),
-            max=round(max(most, value), 9),
+            min=min(round(least, 9), value),
+            max=max(round(most, 9), value),
             step=step,
             initial_value=value,
             hint=f"{described.description} Allowed: {described.allowed}.",

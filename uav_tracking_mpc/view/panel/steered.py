@@ -269,7 +269,7 @@ class Faults(SteeringPart):
             sight: Of this aircraft.
         """
         if sight.time < self._now:  # put back to its start
-            self._left = float("nan")
+            self._left, self._fault, self._told.visible = float("nan"), "", False
         self._now = sight.time
         hint = self._take_offers()
         if len(self._buttons.options) < len(self._offered):

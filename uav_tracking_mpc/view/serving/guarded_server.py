@@ -212,7 +212,7 @@ def _own_address(family: int) -> str:
 
 logger = logging.getLogger(__name__)
 
-LARGEST = 2**16  # bytes of a message: a page tells of its camera and of one widget at a time
+LARGEST = 2**20  # bytes of a message: a page sends a file in pieces of half of it
 HEAD_TIME = 10.0  # s within which a client must have sent its request
 HEADERS = {
     "X-Frame-Options": "DENY",
