@@ -30,6 +30,7 @@ from uav_tracking_mpc.estimation.sensor_check import (
     JUMP_TIME,
     ODD,
     POSITION_CHECK,
+    STALE,
     STANDING,
     VELOCITY_CHECK,
     WINDOW,
@@ -482,7 +483,7 @@ def placed(offset, duration, present=True):
     for k in range(1, round(duration / STEP)):
         carried = k * STEP * EXPECTED
         seen = carried + np.array([offset, 0.0, 0.0]) * (k > 1)
-        code, place, moved = check(STEP, seen, present, carried, EXPECTED[2], 0.1)
+        code, place, _, moved = check(STEP, seen, present, carried, EXPECTED[2], 0.1)
         rows.append((STATES[int(code[0])], bool(present and (place == seen).all()), bool(moved[0])))
     return rows
 
@@ -495,7 +496,7 @@ def test_a_height_that_stays_while_the_aircraft_climbs_is_stuck_until_it_changes
     for k in range(round(6.0 / STEP)):
         carried += STEP * np.array([20.0, 0.0, climb])
         seen = [*carried[:2], 100.0 if k * STEP < 4.0 else carried[2]]
-        code, place, _ = check(STEP, seen, 1.0, carried, climb, 0.0)
+        code, place, _, _ = check(STEP, seen, 1.0, carried, climb, 0.0)
         states.append(STATES[int(code[0])])
         waits = not k or k * STEP * abs(climb) <= STANDING * JUMP
         assert waits or place == pytest.approx(carried)
@@ -514,4 +515,8 @@ def test_a_position_that_jumps_is_left_out_until_it_has_stayed_there():
 
 def test_a_position_that_is_near_is_used_and_an_absent_one_is_silent():
     assert set(placed(0.5 * JUMP, 1.0)) == {("used", True, False)}
-    assert set(placed(0.0, 1.0, present=False)) == {("silent", False, False)}
+    absent = placed(0.0, STALE + 1.0, present=False)
+    begins = absent.index(("silent", False, False))
+    assert begins * STEP == pytest.approx(STALE, abs=2.0 * STEP)
+    assert set(absent[:begins]) == {("used", False, False)}
+    assert set(absent[begins:]) == {("silent", False, False)}

@@ -233,7 +233,8 @@ class AirData:
         beside = abs(math.remainder(course - heading, math.tau))
         mirrored = abs(math.remainder(course + heading - 0.5 * math.pi, math.tau))
         looks = math.hypot(east, north) > FLYING and beside > BESIDE and mirrored < ALONG
-        self._mirrored = self._mirrored + elapsed if looks else 0.0
+        sound = not (self._heading.stuck or self._velocity.stuck or self.velocity_failed)
+        self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
 
     @property
     def surplus(self) -> float:

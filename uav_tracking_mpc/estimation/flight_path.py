@@ -271,6 +271,7 @@ class FlightPath:
         self.climb = Climb()
         self.velocity_failed = self.climb_stuck = self.heading_stuck = False
         self._contradiction = self._nose = self.height_noise = 0.0  # rad^2/s^2, rad, m
+        self._up, self._nose_climb = math.nan, 0.0  # m/s: the climb, and v sin theta when it came
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
 
@@ -313,8 +314,12 @@ class FlightPath:
         ground_velocity = measurement.ground_velocity.copy()
         up, height = float(ground_velocity[2]), float(measurement.position[2])
         noise = measurement.noise
-        by_pitch = self.climb.see(step, airspeed * math.sin(pitch), up, height, self.height_noise)
-        up = by_pitch if self.velocity_failed or self.climb_failed else up
+        nose_climb = airspeed * math.sin(pitch)
+        by_pitch = self.climb.see(step, nose_climb, up, height, self.height_noise)
+        if up != self._up:
+            self._up, self._nose_climb = up, nose_climb
+        bridged = up + nose_climb - self._nose_climb  # since it was measured
+        up = by_pitch if self.velocity_failed or self.climb_failed else bridged
         if 0.0 < step <= LONGEST_STEP:
             climb.see(step, up, self.climb_frequency)
         elif step != 0.0:

@@ -75,7 +75,7 @@ VELOCITY_CHECK = Layout(
 JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0
 STALE = 1.5  # s, for which a position may repeat itself that is only seldom measured
 STANDING = 0.25  # -, share of JUMP, beyond which a climb leaves out a height that stays the same
-POSITION_CHECK = Layout(jumped=1, faded=3, last=3, climbed=1)
+POSITION_CHECK = Layout(jumped=1, age=1, faded=3, last=3, climbed=1)
 
 # Airspeed and heading
 # s: time constants of the noise of a residual, of its jumps, and of what lasts
@@ -105,6 +105,9 @@ AGREEING, AGREED_FOR = 0.5, 5.0
 # m/s, rad: least speed through the air that tells a heading; the greatest difference of headings
 FLYING, HALF_TURN = 1.0, math.pi + 0.5
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
+LONGER = (
+    10.0  # -, multiple of the time for which a reading usually stands, beyond which it is stuck
+)
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
 ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the other one by that wind
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
@@ -114,7 +117,7 @@ ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the oth
 # part of what lasts nothing else explains.
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
-    recent=3, moved=1, reading=1, stood=1, gained=1, speed=1, rough=2, own=2,
+    recent=3, moved=1, reading=1, stood=1, usual=1, gained=1, speed=1, rough=2, own=2,
     drifted=2, doubts=2, unexplained=1,
 )  # fmt: skip
 
@@ -213,13 +216,15 @@ def position_checked(
     carried: ca.SX,
     climb: ca.SX,
     deviation: ca.SX,
-) -> tuple[SimpleNamespace, ca.SX, ca.SX, ca.SX]:
-    """What is known after a position, its state by :data:`CODE`, what is used, whether that jumps.
+) -> tuple[SimpleNamespace, ca.SX, ca.SX, ca.SX, ca.SX]:
+    """What is known after a position, its state by :data:`CODE`, and what of it is used.
+
+    Then on which axes it is the measured one, shape (3,), and whether it jumps.
 
     Args:
-        known: By :data:`POSITION_CHECK`: for how long positions have been elsewhere [s], what of a
-            jump is still to be told [m], the last position [m], how far the aircraft has climbed
-            since the height changed last [m].
+        known: By :data:`POSITION_CHECK`: for how long positions have been elsewhere [s], how long
+            ago the last one was measured [s], what of a jump is still to be told [m], the last
+            position [m], how far the aircraft has climbed since the height changed last [m].
         elapsed: Since the measurement before in [s].
         position: As measured, shape (3,), in [m].
         present: 1 where one is measured, else 0.
@@ -228,7 +233,9 @@ def position_checked(
         deviation: Standard deviation of the noise on the worst axis in [m].
     """
     limit = JUMP + NOISE_MULTIPLE * deviation
-    repeated = ca.logic_and(present, ca.logic_not(is_fresh(known, position, present)))
+    fresh = is_fresh(known, position, present)
+    repeated = ca.logic_and(present, ca.logic_not(fresh))
+    age = ca.if_else(fresh, 0.0, known.age + elapsed)
     stands = ca.logic_and(present, position[2] == known.last[2])
     goes_on = ca.fabs(known.climbed) <= limit  # and then stays beyond
     climbed = ca.if_else(stands, known.climbed + goes_on * elapsed * climb, 0.0)
@@ -237,20 +244,25 @@ def position_checked(
     old = ca.fabs(climbed) > STANDING * limit
     place = ca.vertcat(position[:2], ca.if_else(old, carried[2], position[2]))
     far = ca.logic_and(present, ca.norm_2(place - carried) > limit)
-    jumped = ca.if_else(far, known.jumped + elapsed, known.jumped * old)
-    elsewhere = ca.logic_and(far, ca.logic_not(repeated))
-    moved = ca.logic_and(elsewhere, jumped >= JUMP_TIME)
-    waits = ca.logic_and(elsewhere, ca.logic_not(moved))
-    stuck = ca.logic_and(ca.logic_not(waits), ca.logic_or(far * repeated * (jumped > STALE), level))
-    code = CODE[JUMPED] * waits + CODE[STUCK] * stuck + CODE[SILENT] * ca.logic_not(present)
-    used = present * ca.logic_not(repeated) * ca.logic_not(waits)
+    # Positions that come seldom repeat themselves, or are absent, between two that are measured.
+    stale = age > STALE
+    lasts = ca.if_else(fresh, far, known.jumped > 0.0)
+    jumped = ca.if_else(lasts, known.jumped + elapsed, known.jumped * old)
+    moved = ca.logic_and(far * fresh, jumped >= JUMP_TIME)
+    waits = lasts * ca.logic_not(moved) * ca.logic_not(stale)
+    stuck = ca.logic_and(ca.logic_not(waits), ca.logic_or(far * repeated * stale, level))
+    silent = ca.logic_not(present) * stale
+    code = CODE[JUMPED] * waits + CODE[STUCK] * stuck + CODE[SILENT] * silent
+    used = fresh * ca.logic_not(waits)
     after = SimpleNamespace(
         jumped=ca.if_else(moved, 0.0, jumped),
+        age=age,
         faded=known.faded * ca.exp(-elapsed / FADE_TIME),
         last=ca.if_else(present, position, known.last),
         climbed=climbed,
     )
-    return after, code, ca.if_else(used, place, carried), moved
+    told = used * ca.vertcat(1.0, 1.0, ca.logic_not(old))
+    return after, code, ca.if_else(told, position, carried), told, moved
 
 
 def air_checked(
@@ -379,11 +391,18 @@ def _stuck(
     ``known`` takes what is known after it.
     """
     changed = ca.logic_not(reading == known.reading)
-    known.stood = ca.if_else(changed, 0.0, known.stood + elapsed)
+    stood = known.stood + elapsed
+    # How long it may stand: as long as it has lately, while it was not stuck.
+    longest = ca.fmax(known.usual * ca.exp(-elapsed / COMPARED), (reason != CODE[STUCK]) * stood)
+    known.usual = ca.if_else(changed, longest, known.usual)
+    known.stood = ca.if_else(changed, 0.0, stood)
     known.gained = ca.if_else(changed, 0.0, known.gained + elapsed * acceleration)
     known.speed = ca.if_else(changed, along, known.speed)
     known.reading = reading
-    gained = ca.fmin(ca.fabs(known.gained), ca.fabs(along - known.speed)) > STUCK_CHANGE
+    # Where the autopilot goes by it, too, the speed changes though nothing is commanded.
+    unusual = (known.usual > 0.0) * (known.stood > LONGER * known.usual)
+    changes = ca.logic_or(unusual, ca.fabs(known.gained) > STUCK_CHANGE)
+    gained = ca.logic_and(changes, ca.fabs(along - known.speed) > STUCK_CHANGE)
     stands = ca.logic_and(known.stood > STUCK_FOR, gained)
     stays = ca.logic_and(ca.logic_not(changed), reason == CODE[STUCK])
     return repeated(reason, ca.logic_or(stands, stays))
