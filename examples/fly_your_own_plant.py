@@ -30,8 +30,10 @@ TARGET = np.array([0.0, 0.0, 0.0])
 
 def fly(duration: float = 60.0) -> np.ndarray:
     """Distance to the target at every tick in [m], shape (n,)."""
-    parameters = load_configuration("small_uav").controller
-    controller = Controller(parameters, stopwatch=lambda: 0.0)  # simulated time waits for answers
+    # Simulated time waits for answers, and solves may take their time: each flight is the same.
+    patient = "nmpc_controller.solve_time_max=10.0"
+    parameters = load_configuration("small_uav", [patient]).controller
+    controller = Controller(parameters, stopwatch=lambda: 0.0)
     position, heading, path_angle, speed = np.array([600.0, 0.0, 100.0]), math.pi, 0.0, 22.0
     turn_rate, path_rate, acceleration = 0.0, 0.0, 0.0
     distances = []

@@ -60,6 +60,8 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.dynamics.vehicle_models.conformance import check_model as check_model
     from uav_tracking_mpc.estimation.measurement import Axis as Axis
     from uav_tracking_mpc.estimation.measurement import Measurement as Measurement
+    from uav_tracking_mpc.estimation.measurement import MeasurementError as MeasurementError
+    from uav_tracking_mpc.estimation.measurement import SensorNoise as SensorNoise
     from uav_tracking_mpc.estimation.situation import Situation as Situation
     from uav_tracking_mpc.laws import GuidanceLaw as GuidanceLaw
     from uav_tracking_mpc.laws.conformance import check_law as check_law
@@ -98,12 +100,14 @@ _HOMES = {
     "GuidanceLaw": "laws",
     "Limit": "limits",
     "Measurement": "estimation.measurement",
+    "MeasurementError": "estimation.measurement",
     "NewtonSolver": "mpc.newton_solver",
     "OptimalControlProblem": "mpc.problem",
     "Orbit": "dynamics.orbit",
     "ParameterError": "parameters.specification",
     "Plant": "simulation.plants",
     "RelativeModel": "dynamics.relative_models",
+    "SensorNoise": "estimation.measurement",
     "Situation": "estimation.situation",
     "TargetMotion": "simulation.motions",
     "TrackingParameters": "settings.tracking",

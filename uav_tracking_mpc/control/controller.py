@@ -78,6 +78,7 @@ class Controller:
         parameters: What to fly and how. Measurements must come more often than ``state_timeout``.
         formulation: Of these parameters; made from them by default.
         stopwatch: Clock in [s] of how long answers take; constant where a simulation waits for one.
+            The solver keeps to its ``solve_time_max`` of wall time all the same.
 
     Attributes:
         formulation: The optimal control problem; None where a guidance law is flown.
@@ -100,6 +101,11 @@ class Controller:
         formulation: Formulation | None = None,
         stopwatch: Callable[[], float] = time.perf_counter,
     ) -> None:
+        if not isinstance(parameters, TrackingParameters):
+            kind = type(parameters).__name__
+            raise ParameterError(
+                f"parameters are a {kind}, must be those of its controller section"
+            )
         self.parameters, self._stopwatch = parameters, stopwatch
         self._law_class = law_of(parameters)
         self.formulation = formulation or formulation_of(parameters)

@@ -105,7 +105,7 @@ class Measurement:
             along it (:mod:`~uav_tracking_mpc.estimation.flight_path`).
 
     Raises:
-        MeasurementError: A value is not finite, or not of its shape.
+        MeasurementError: A value is not finite, or not of its shape or type.
     """
 
     stamp: float
@@ -137,6 +137,12 @@ class Measurement:
                 object.__setattr__(self, name, None)
             elif not math.isfinite(value):
                 raise MeasurementError(f"{name} is {value!r}, must be a finite number")
+        if self.bank is not None and abs(self.bank) > math.pi:
+            raise MeasurementError(f"bank is {self.bank!r}, must be from -pi to pi rad")
+        for name, wanted in (("axis", Axis), ("noise", SensorNoise)):
+            if not isinstance(getattr(self, name), wanted):
+                value = getattr(self, name)
+                raise MeasurementError(f"{name} is {value!r}, must be of {wanted.__name__}")
 
     @property
     def placed(self) -> bool:

@@ -263,6 +263,8 @@ def load_configuration(
         ParameterError: No such configuration or scenario, not readable as YAML, an unknown section
             or parameter, a value that is not allowed.
     """
+    if isinstance(overrides, str):
+        raise ParameterError(f"overrides are {overrides!r}, must be a list of such words")
     return configuration_of(*chosen_sections(name_or_file, overrides, scenario))
 
 
