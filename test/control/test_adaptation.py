@@ -104,6 +104,12 @@ def test_what_was_learnt_goes_once_a_doubtful_estimate_contradicts_it():
     assert found.delay(0) == pytest.approx(sum(TOLD.response.lags[:1] + TOLD.dead_time[:1]))
 
 
+def test_a_lag_that_is_known_without_its_sum_does_not_become_dead_time():
+    found = adaptation(ChannelResponse(0.0, 0.05, **SURE | {"trusted": False}))
+    followed(found, 30.0)
+    np.testing.assert_array_equal(found.flown, TOLD.response)
+
+
 def test_a_sum_that_is_known_alone_is_shared_as_it_was_told():
     found = adaptation(ChannelResponse(0.1, 0.6, **SURE | {"lag_trusted": False}))
     followed(found, 30.0)

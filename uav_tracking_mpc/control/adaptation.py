@@ -262,6 +262,9 @@ class ResponseAdaptation:
         shared = wanted_delays * told.lags / np.where(told_delays > 0.0, told_delays, math.inf)
         likely = np.where([each.lag_trusted for each in self.channels], told.lags, shared)
         wanted_lags = self._wanted(LAG, lags, likely, LEAST_LAG)
+        # A lag without the sum that it is a part of would become dead time.
+        summed = self._replaced[DELAY] | [each.trusted for each in self.channels]
+        wanted_lags = np.where(summed, wanted_lags, shared)
         off = np.maximum(np.abs(wanted_lags - lags), np.abs(wanted_delays - delays))
         delays = delays + np.clip(wanted_delays - delays, -most, most)
         after = np.minimum(lags + np.clip(wanted_lags - lags, -most, most), delays)
