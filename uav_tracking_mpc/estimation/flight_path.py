@@ -173,11 +173,12 @@ class Climb:
     Attributes:
         missed: What pitch and height tell besides the measured climb, in [m/s].
         failed: Whether the measured climb is wrong.
+        nose_climb: v sin theta, followed with the lag, in [m/s].
     """
 
     def __init__(self) -> None:
         self._besides = Followed()  # h [m] less what the pitch makes of it, and c [m/s]
-        self._nose_climb = self._by_pitch = 0.0  # m/s, v sin theta with the lag, and m
+        self.nose_climb = self._by_pitch = 0.0  # m/s, and m of it
         # m, height before, by how much it was above the expected one, and one that jumped likewise
         self._height, self._apart, self._odd = math.nan, 0.0, math.nan
         # m, flown lately by height, measured climb and pitch; m^2 s, of the first two
@@ -196,13 +197,13 @@ class Climb:
         """
         besides, moved = self._besides, min(step, LONGEST_STEP)
         carried = besides.value + moved * besides.rate
-        self._nose_climb += (1.0 - math.exp(-moved / CLIMB_LAG)) * (by_pitch - self._nose_climb)
-        self._by_pitch += moved * self._nose_climb
+        self.nose_climb += (1.0 - math.exp(-moved / CLIMB_LAG)) * (by_pitch - self.nose_climb)
+        self._by_pitch += moved * self.nose_climb
         # What repeats itself tells nothing: a height that is stuck would hold the climb at 0.
         rise = 0.0 if math.isnan(height) else height - self._height
         tells, begins = rise != 0.0, math.isnan(rise) or step > LONGEST_STEP
         if begins:
-            self._nose_climb, besides.rate = by_pitch, up - by_pitch
+            self.nose_climb, besides.rate = by_pitch, up - by_pitch
             self._apart, self._odd = 0.0, math.nan
             besides.value = height - self._by_pitch if tells else carried
         elif tells:
@@ -220,7 +221,7 @@ class Climb:
         else:
             besides.value = carried
         self._height = height if tells else self._height
-        climb = self._nose_climb + besides.rate
+        climb = self.nose_climb + besides.rate
         self.missed = climb - up
         self._judge(moved, 0.0 if begins else rise, up, climb, noise)
         return climb
@@ -271,7 +272,7 @@ class FlightPath:
         self.climb = Climb()
         self.velocity_failed = self.climb_stuck = self.heading_stuck = False
         self._contradiction = self._nose = self.height_noise = 0.0  # rad^2/s^2, rad, m
-        self._up, self._nose_climb = math.nan, 0.0  # m/s: the climb, and v sin theta when it came
+        self._up, self._nose_climb = math.nan, 0.0  # m/s: the climb, and that of the nose with it
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
 
@@ -314,11 +315,10 @@ class FlightPath:
         ground_velocity = measurement.ground_velocity.copy()
         up, height = float(ground_velocity[2]), float(measurement.position[2])
         noise = measurement.noise
-        nose_climb = airspeed * math.sin(pitch)
-        by_pitch = self.climb.see(step, nose_climb, up, height, self.height_noise)
+        by_pitch = self.climb.see(step, airspeed * math.sin(pitch), up, height, self.height_noise)
         if up != self._up:
-            self._up, self._nose_climb = up, nose_climb
-        bridged = up + nose_climb - self._nose_climb  # since it was measured
+            self._up, self._nose_climb = up, self.climb.nose_climb
+        bridged = up + self.climb.nose_climb - self._nose_climb  # since it was measured
         up = by_pitch if self.velocity_failed or self.climb_failed else bridged
         if 0.0 < step <= LONGEST_STEP:
             climb.see(step, up, self.climb_frequency)

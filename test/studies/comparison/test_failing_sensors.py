@@ -317,3 +317,26 @@ def test_gusts_on_a_straight_way_in_blame_no_sensor():
         log = loop.log(40.0)
         assert not log.sensors
         assert abs(log.error[-1, 0]) < 3.0
+
+
+@pytest.mark.parametrize("absent", [False, pytest.param(True, marks=LONG)])
+def test_a_receiver_that_comes_less_often_than_the_attitude_is_flown_by(absent, monkeypatch):
+    """4 Hz beside 20: it repeats what it measured last, or tells no position in between."""
+    step, rng, fix = Controller.step, np.random.default_rng(3), {}
+
+    def seldom(self, seen, *rest):
+        fresh = round(20.0 * seen.stamp) % 5 == 0
+        if fresh:
+            place = seen.position + rng.normal(0.0, 0.5, 3)
+            fix.update(position=place, ground_velocity=seen.ground_velocity)
+        told = {**fix, "position": fix["position"] if fresh or not absent else np.full(3, math.nan)}
+        return step(self, dataclasses.replace(seen, **told), *rest)
+
+    monkeypatch.setattr(Controller, "step", seldom)
+    log = flown_two_minutes("jsbsim", "position_bias=[8.0,0.0,0.0]", "uav_simulator.seed=2")
+    news = [(each.sensor, each.state) for each in log.sensors]
+    assert news == [("position", "jumped"), ("position", USED)]
+    assert log.softened == 1.0  # nothing swings
+    before = (log.time > 30.0) & (log.time < 60.0)
+    assert np.abs(log.error[before, 0]).max() < 1.0
+    assert np.abs(log.vehicle[before, 5] - 22.0).max() < 0.7
