@@ -181,7 +181,7 @@ def test_verdicts():
     assert "7\u00a0m too far out" in bad
     trouble = orbiting(failures=3, commands=CommandCounts(failsafe=2))
     assert "3 of 150 solves did not converge." in verdict(metrics(trouble))
-    assert "ran out of plan 2 times" in verdict(metrics(trouble))
+    assert "There was no plan 2 times" in verdict(metrics(trouble))
     assert verdict(metrics(orbiting(0))).startswith("No usable record")
 
 
