@@ -196,6 +196,30 @@ def test_an_airspeed_that_stays_while_the_aircraft_accelerates_is_stuck(check):
     assert check.reasons[AIRSPEED] == ""
 
 
+def slowing(begin):
+    return lambda time: (
+        -min(0.5 * max(time - begin, 0.0), 4.0)
+        * np.array([math.cos(TURN * time), math.sin(TURN * time)])
+    )
+
+
+def test_an_airspeed_that_stays_while_the_aircraft_slows_down_uncommanded_is_stuck(check):
+    """As where the autopilot goes by it, too."""
+    assert circled(check, lambda _: 22.0, 100.0, 105.0, gust=slowing(101.0))[2][-1][0] == "stuck"
+
+
+def test_a_sound_airspeed_in_whole_metres_a_second_is_not_stuck(check):
+    def wandering(time):
+        ahead = np.array([math.cos(TURN * time), math.sin(TURN * time)])
+        return 1.5 * math.sin(0.1 * (time - 100.0)) * ahead
+
+    def coarse(time):
+        return round(AIRSPEED_FLOWN + 1.5 * math.sin(0.1 * (time - 100.0)))
+
+    reasons = circled(check, coarse, 100.0, 300.0, gust=wandering)[2]
+    assert all(airspeed == "" for airspeed, _ in reasons)
+
+
 def test_an_airspeed_that_stays_in_steady_flight_is_not_stuck(check):
     assert circled(check, lambda _: 22.0, 100.0, 160.0)[2] == [["", ""]]
 

@@ -105,9 +105,9 @@ AGREEING, AGREED_FOR = 0.5, 5.0
 # m/s, rad: least speed through the air that tells a heading; the greatest difference of headings
 FLYING, HALF_TURN = 1.0, math.pi + 0.5
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
-LONGER = (
-    10.0  # -, multiple of the time for which a reading usually stands, beyond which it is stuck
-)
+# -, m/s: the same where nothing is commanded: a reading stands so many times as long as usual, and
+# the speed changes by more than the steps of a coarse one
+LONGER, UNTOLD_CHANGE = 10.0, 1.0
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
 ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the other one by that wind
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
@@ -401,8 +401,9 @@ def _stuck(
     known.reading = reading
     # Where the autopilot goes by it, too, the speed changes though nothing is commanded.
     unusual = (known.usual > 0.0) * (known.stood > LONGER * known.usual)
-    changes = ca.logic_or(unusual, ca.fabs(known.gained) > STUCK_CHANGE)
-    gained = ca.logic_and(changes, ca.fabs(along - known.speed) > STUCK_CHANGE)
+    off = ca.fabs(along - known.speed)
+    gained = ca.fmin(ca.fabs(known.gained), off) > STUCK_CHANGE
+    gained = ca.logic_or(gained, unusual * (off > UNTOLD_CHANGE))
     stands = ca.logic_and(known.stood > STUCK_FOR, gained)
     stays = ca.logic_and(ca.logic_not(changed), reason == CODE[STUCK])
     return repeated(reason, ca.logic_or(stands, stays))
