@@ -107,7 +107,7 @@ FLYING, HALF_TURN = 1.0, math.pi + 0.5
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 # -, m/s: the same where nothing is commanded: a reading stands so many times as long as usual, and
 # the speed changes by more than the steps of a coarse one
-LONGER, UNTOLD_CHANGE = 10.0, 1.0
+LONGER, UNTOLD_CHANGE = 10.0, 0.6
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
 ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the other one by that wind
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
