@@ -61,11 +61,11 @@ from uav_tracking_mpc.nodes.topics import (
     Topic,
 )
 from uav_tracking_mpc.report.bag import decoded, typestore
-from uav_tracking_mpc.report.bag_index import METADATA
 
 SHOWN = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, ENGAGED, TRACKING["solve_time"])
 FLYING = ("nmpc_controller", "target_publisher", "uav_simulator")  # whose reports are awaited
 QUEUE = 1000  # messages of a topic: 10 s of a flight at ten times the wall's speed
+METADATA = "metadata.yaml"  # as ROS 2 calls it; who reads bags needs more than a node
 INFINITE = QosTime(*divmod(2**63 - 1, 10**9))
 HERE = (0.0, 0.0, 0.0)  # m, translation to a frame with other axes alone
 
