@@ -103,9 +103,8 @@ class Controller:
     ) -> None:
         if not isinstance(parameters, TrackingParameters):
             kind = type(parameters).__name__
-            raise ParameterError(
-                f"parameters are a {kind}, must be those of its controller section"
-            )
+            words = "must be TrackingParameters, as load_configuration(...).controller"
+            raise ParameterError(f"parameters are a {kind}, {words}")
         self.parameters, self._stopwatch = parameters, stopwatch
         self._law_class = law_of(parameters)
         self.formulation = formulation or formulation_of(parameters)

@@ -327,7 +327,7 @@ def _step() -> ca.Function:
     scatter = wind_filter.METERS.scatter(meters, wind_filter.POSITION, seen.position - carried)
     scatter *= fresh * (ca.mmax(seen.position_noise) == 0.0)
     deviation = ca.sqrt(ca.fmax(position_noise**2, scatter))
-    placed, code, position, placed_by, moved = sensor_check.position_checked(
+    placed, code, position, seen_axes, moved = sensor_check.position_checked(
         place, dt, seen.position, seen.placed, carried, used_ground[2], deviation
     )
     placed.faded += ca.if_else(moved, state[P] - position, 0.0)
@@ -385,7 +385,7 @@ def _step() -> ca.Function:
     )
     noise[3:] += odd * ca.if_else(no_airspeed_used, wind_filter.FOLLOWED_DEVIATION, BLIND) ** 2
     # What is carried on tells nothing, nor does a velocity that comes again with its position.
-    noise[:3] += BLIND**2 * (dt > 0.0) * (1.0 - placed_by)
+    noise[:3] += BLIND**2 * (dt > 0.0) * (1.0 - seen_axes)
     again = ca.sumsqr((seen.ground - known.velocity.before)[:2]) == 0.0
     noise[3:5] += BLIND**2 * (dt > 0.0) * again * ca.logic_not(fresh)
     read = ca.vertcat(position, ground)

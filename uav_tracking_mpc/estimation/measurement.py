@@ -140,8 +140,7 @@ class Measurement:
         if self.bank is not None and abs(self.bank) > math.pi:
             raise MeasurementError(f"bank is {self.bank!r}, must be from -pi to pi rad")
         for name, wanted in (("axis", Axis), ("noise", SensorNoise)):
-            if not isinstance(getattr(self, name), wanted):
-                value = getattr(self, name)
+            if not isinstance(value := getattr(self, name), wanted):
                 raise MeasurementError(f"{name} is {value!r}, must be of {wanted.__name__}")
 
     @property

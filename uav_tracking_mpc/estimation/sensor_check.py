@@ -261,8 +261,8 @@ def position_checked(
         last=ca.if_else(present, position, known.last),
         climbed=climbed,
     )
-    told = used * ca.vertcat(1.0, 1.0, ca.logic_not(old))
-    return after, code, ca.if_else(told, position, carried), told, moved
+    seen_axes = used * ca.vertcat(1.0, 1.0, ca.logic_not(old))
+    return after, code, ca.if_else(seen_axes, position, carried), seen_axes, moved
 
 
 def air_checked(

@@ -329,9 +329,9 @@ def _drain(supervisor: Supervisor, recorder: FlightRecorder, executor: EventsExe
         executor.spin_once(timeout_sec=0.05)
     heard, silent = -1, 0.0
     deadline = time.monotonic() + STOP_LIMIT  # others may go on publishing in this domain
-    while recorder.heard > heard or time.monotonic() - silent < DRAIN_TIME:
-        if time.monotonic() > deadline:
-            break
+    while time.monotonic() < deadline and (
+        recorder.heard > heard or time.monotonic() - silent < DRAIN_TIME
+    ):
         if recorder.heard > heard:
             heard, silent = recorder.heard, time.monotonic()
         executor.spin_once(timeout_sec=0.05)

@@ -196,7 +196,7 @@ class OrbitLoop:
 
     def __init__(self, parameters: TrackingParameters) -> None:
         self._formulation = formulation_of(parameters)
-        self._take(parameters)
+        self.change(parameters)
 
     def change(self, parameters: TrackingParameters) -> None:
         """Use other parameters from now on, of which no fixed one differs.
@@ -204,9 +204,6 @@ class OrbitLoop:
         Args:
             parameters: The new ones.
         """
-        self._take(parameters)
-
-    def _take(self, parameters: TrackingParameters) -> None:
         self.parameters, law = parameters, law_of(parameters)
         self._law = None if law is None else law_about(law, parameters.orbit, parameters)
         self.told, self._predicted = parameters.response, parameters.flown_by(parameters.response)

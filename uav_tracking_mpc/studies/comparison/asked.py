@@ -47,7 +47,7 @@ LATER_BY = 3.0  # s of settling, after the better classical law, where the air h
 JUDGED = ("bank", "airspeed", "path angle")
 
 NEVER_BELOW, NEVER_ABOVE = 14.0, 32.0  # m/s, of small_uav
-LATER = 20.0  # s after the begin of what fails, from which on range and airspeed count
+COUNTS_AFTER = 20.0  # s after the begin of what fails, from which on range and airspeed count
 RECOVERED = 20.0  # s, after which a sensor that is right again is used again
 
 Flights = Mapping[str, Measures]  # of one scenario, by the law
@@ -308,7 +308,7 @@ class AskedOfSensors(Asked):
     recovers: bool = False
     quiet: bool = False
     begin: float = BEGIN
-    after: float | None = BEGIN + LATER
+    after: float | None = BEGIN + COUNTS_AFTER
     judged: tuple[str, ...] = ("bank",)  # the airspeed is judged by its own bounds
 
     def words(self, flights: Flights) -> str:
