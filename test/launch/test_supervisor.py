@@ -14,6 +14,7 @@
 
 """The supervisor, on processes that need no ROS."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -21,7 +22,7 @@ import pytest
 from processes import alive, wait_for
 from rich.console import Console
 
-from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor
+from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
 
 SERVER = ("http.server", ["0", "--bind", "127.0.0.1"])  # runs until it is ended
 
@@ -80,3 +81,16 @@ def test_a_frozen_process_goes_on_or_is_ended(supervisor):
     supervisor.end(lambda: told.append(len(supervisor.processes)))
     assert told == [1]
     assert not alive(identity)
+
+
+def test_a_domain_that_could_not_be_joined_is_left(output, monkeypatch):
+    rclpy = pytest.importorskip("rclpy")
+
+    def refuse(**options):
+        raise RuntimeError("no room")
+
+    monkeypatch.setattr(rclpy, "init", refuse)
+    monkeypatch.setenv("ROS_DOMAIN_ID", "3")
+    with pytest.raises(RuntimeError, match="no room"), supervised(Console(file=output), domain=7):
+        pass
+    assert os.environ["ROS_DOMAIN_ID"] == "3"

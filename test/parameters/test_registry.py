@@ -81,6 +81,16 @@ def test_a_class_of_a_file_is_found(ceiling):
     assert LIMIT.find(ceiling).name == "ceiling"
 
 
+def test_two_files_of_one_name_are_two(tmp_path):
+    for folder, ceiling in (("one", 1.0), ("other", 2.0)):
+        (tmp_path / folder).mkdir()
+        words = CEILING.replace("parameter(500.0", f"parameter({ceiling}")
+        (tmp_path / folder / "mine.py").write_text(words)
+    one, other = (LIMIT.find(f"{tmp_path / each}/mine.py:Ceiling") for each in ("one", "other"))
+    assert [one().ceiling, other().ceiling] == [1.0, 2.0]
+    assert pickle.loads(pickle.dumps(one())) == one()  # refused where the other took its place
+
+
 def test_an_entry_point_is_found(monkeypatch):
     point = metadata.EntryPoint("mine", "uav_tracking_mpc.laws.l1:L1Loiter", GUIDANCE_LAW.room)
     monkeypatch.setattr(registry, "entry_points", lambda group: (point,))

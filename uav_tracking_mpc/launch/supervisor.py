@@ -318,19 +318,21 @@ def supervised(console: Console, domain: int | None = None) -> Iterator[Supervis
     with own_domain(domain) as claimed, tempfile.TemporaryDirectory() as folder:
         before = os.environ.get(VARIABLE)
         os.environ.update(ROS_DOMAIN_ID=str(claimed), RCUTILS_COLORIZED_OUTPUT="0")
-        stay_on_this_machine()
-        if changed := ensure_log_folder():
-            console.print(changed, highlight=False, soft_wrap=True)
-        import rclpy
-        from rclpy.signals import SignalHandlerOptions
-
-        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-        supervisor = Supervisor(Path(folder), console, claimed)
         try:
-            yield supervisor
+            stay_on_this_machine()
+            if changed := ensure_log_folder():
+                console.print(changed, highlight=False, soft_wrap=True)
+            import rclpy
+            from rclpy.signals import SignalHandlerOptions
+
+            rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+            supervisor = Supervisor(Path(folder), console, claimed)
+            try:
+                yield supervisor
+            finally:
+                supervisor.end()
+                rclpy.try_shutdown()
         finally:
-            supervisor.end()
-            rclpy.try_shutdown()
             # A later launch of this process is to choose anew.
             if before is None:
                 os.environ.pop(VARIABLE, None)

@@ -32,6 +32,7 @@ import importlib.util
 import logging
 import re
 import sys
+import zlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -205,10 +206,10 @@ def _module_of_file(path: Path) -> ModuleType:
     path = path.resolve()
     if not path.is_file():
         raise ExtensionError(f"there is no file {path}")
-    # Under one name in every process, so that what is defined there can be pickled.
-    name = f"extension_{path.stem}"
-    present = sys.modules.get(name)
-    if present is not None and present.__file__ == str(path):
+    # Under one name in every process, so that what is defined there can be pickled; and one for
+    # each path, for two folders may each hold a `mine.py`.
+    name = f"extension_{path.stem}_{zlib.crc32(str(path).encode()):08x}"
+    if present := sys.modules.get(name):
         return present
     specification = importlib.util.spec_from_file_location(name, path)
     assert specification is not None and specification.loader is not None
