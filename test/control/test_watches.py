@@ -147,6 +147,19 @@ def test_a_target_that_begins_to_swing_ends_no_limit_cycle():
     assert report.going_on[0]
 
 
+def test_a_swing_that_begins_with_the_targets_is_told_once_it_outlasts_that():
+    events = EventLog()
+    report = OscillationReport(events)
+    for tick in range(1600):
+        time = 0.05 * tick
+        forced = AIRSPEED * 0.1 if time < 20.0 else 0.0
+        swings = [0.1 * math.sin(math.pi * time), 0.0]
+        report.see(time, swings, AIRSPEED, UNKNOWN, [0.5] * 3, forced)
+    (told,) = events.take()
+    assert told.words == f"limit cycle of the turn rate: {report.words(0)}"
+    assert "is not what was told" in report.words(0)
+
+
 @pytest.mark.parametrize(
     ("channels", "delays", "cause"),
     [

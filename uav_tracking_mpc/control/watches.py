@@ -149,7 +149,7 @@ class OscillationReport:
         events: Where to tell.
 
     Attributes:
-        causes: What is likely to cause each oscillation, in words.
+        causes: What is likely to cause each oscillation, in words; empty where none is told.
     """
 
     def __init__(self, events: EventLog) -> None:
@@ -203,18 +203,16 @@ class OscillationReport:
         """
         kept = math.exp(-max(0.0, time - self._time) / FORCED_TIME)
         self._forced, self._time = max(kept * self._forced, forced / GRAVITY), time
-        before = self.swings
         for watch, rate in zip(self._watches, inputs, strict=False):
             watch.see(time, airspeed * rate / GRAVITY)
-        for axis, (was, swing) in enumerate(zip(before, self.swings, strict=True)):
-            if (was is None) is (swing is None):
-                continue
+        for axis, (watch, swing) in enumerate(zip(self._watches, self.swings, strict=True)):
             cycle = f"limit cycle of the {CHANNELS[axis]}"
-            if swing is None:
-                self._events.add(Level.INFO, f"the {cycle} has ended")
-            else:
+            if swing is not None and not self.causes[axis]:
                 self.causes[axis] = _cause(channels[axis], delays[axis])
                 self._events.add(Level.WARNING, f"{cycle}: {self.words(axis)}")
+            elif watch.swing is None and self.causes[axis]:
+                self.causes[axis] = ""
+                self._events.add(Level.INFO, f"the {cycle} has ended")
 
     def words(self, axis: int) -> str:
         """The oscillation of a channel; "none" without one.
