@@ -89,6 +89,17 @@ def test_the_gain_stays_as_it_is_while_the_target_swings_as_well():
     assert flight.fly(100.0, STILL)[0] < STEP
 
 
+def test_however_often_commands_come_the_problem_is_told_every_change():
+    """At 200 Hz one change is smaller than that of a digit that anybody would look at."""
+    softening, told = Softening(EventLog()), 1.0
+    for tick in range(200 * 120):
+        swings = SWING if tick == 0 else STILL
+        if softening.follow(tick / 200.0, swings, (tick == 0, False), DELAYS, GAINS):
+            told = float(softening.factors[0])
+        assert told == softening.factors[0]
+    assert 1.0 < told < STEP
+
+
 def test_another_response_is_another_loop():
     flight = Flight()
     flight.fly(0.1, SWING)

@@ -107,8 +107,8 @@ class Softening:
                     self._soften(axis, channel, time, swing, flown)
             elif channel.factor > 1.0 and time - channel.quiet_since >= QUIET:
                 self._return(axis, channel, elapsed, flown)
-            before, self.factors[axis] = float(self.factors[axis]), channel.factor
-            changed |= abs(channel.factor - before) > ROUNDING * before
+            changed |= channel.factor != float(self.factors[axis])
+            self.factors[axis] = channel.factor
         return changed
 
     def _soften(
