@@ -23,8 +23,10 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import advance
-from uav_tracking_mpc.limits import OrbitShape
-from uav_tracking_mpc.limits.envelope import Envelope
+from uav_tracking_mpc.limits import Motion, OrbitShape
+from uav_tracking_mpc.limits.airspeed import Acceleration
+from uav_tracking_mpc.limits.climb import PathAngle, PitchRate
+from uav_tracking_mpc.limits.envelope import Envelope, input_span
 from uav_tracking_mpc.limits.turn import Bank, YawRate
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
@@ -62,6 +64,16 @@ def test_the_bank_limits_the_turn_and_the_force_is_linear_between_its_ends():
     assert turns == pytest.approx([GRAVITY / 22.0, SMALL_UAV.yaw_rate_max, SMALL_UAV.yaw_rate_max])
     forces = np.array([SMALL_UAV.force_limits(v) for v in (14.0, 23.0, 50.0)])
     np.testing.assert_allclose(forces, [(-1.2, 5.0), (-2.6, 3.0), (-4.0, 1.0)])
+
+
+@pytest.mark.parametrize("path_angle", [-1.0, -0.4, 0.0, 0.5, 1.0])
+def test_however_steep_the_path_no_plan_changes_it_quicker_than_the_aircraft_can(path_angle):
+    limits = [PathAngle(-0.2, 0.2), PitchRate(0.15), YawRate(), Acceleration()]
+    told = [limit.numbers(np.zeros((1, 3)))[0] for limit in limits]
+    motion = Motion(300.0, 0.0, 100.0, path_angle, 22.0)
+    middle, half = input_span(limits, told, motion, np)
+    assert abs(middle[1]) + half[1] <= 0.15
+    assert half[1] > 0.0
 
 
 def test_the_least_thrust_limits_the_climb_that_holds_airspeed():

@@ -49,7 +49,8 @@ from uav_tracking_mpc.limits.turn import Bank, YawRate
 
 # rad/s, rad/s, m/s^2 over which limits merge
 BLENDS = {"turn_rate": 0.02, "path_angle_rate": 0.02, "acceleration": 0.2}
-# -, of a blend, that an input can span where limits contradict each other: that named first wins.
+# -, of a blend, that an input can span where limits contradict each other: one of the input itself,
+# the same either way, wins, then that named first.
 LEAST_SPAN = 0.5
 
 
@@ -71,6 +72,7 @@ def input_span(
     middle, half = [], []
     for name, blend in BLENDS.items():
         spans = [bound[name] for bound in bounds if name in bound]
+        spans.sort(key=lambda span: span[0] is not None)
         upper = _merged([span[1] for span in spans], blend, xp)
         if all(span[0] is None for span in spans):
             middle.append(0.0 * upper)
