@@ -162,6 +162,17 @@ def test_after_a_reset_no_orbit_is_refused_for_a_wind_of_then():
     assert controller.orbit.speed == 15.0
 
 
+def test_a_drift_that_is_too_much_refuses_only_what_it_has_to_do_with():
+    controller = flight_controller()
+    controller.drift = np.array([21.0, 0.0, 0.0])
+    with pytest.raises(ParameterError, match="a drift of 21"):
+        controller.change(airspeed=21.0)
+    controller.change(target_noise=0.2, state_timeout=0.7)
+    assert controller.parameters.target_noise == 0.2
+    controller.change(airspeed=25.0)
+    assert controller.orbit.speed == 25.0
+
+
 def test_without_a_target_it_levels_out(controller):
     vehicle = np.array([0.0, 0.0, 50.0, 1.0, 0.2, 4.0])
     command = controller._hold(0.0, vehicle, "no target position yet")

@@ -167,15 +167,18 @@ class Controller:
 
         Raises:
             ParameterError: A fixed one differs, or the orbit cannot be flown, by the law that is
-                asked for or in the present drift.
+                asked for or, unless that is so of the present one, in the present drift.
         """
         refuse_fixed(self.parameters, parameters)
         if self.formulation is not None:
             self.formulation.check(parameters)
         if self._law_class is not None:
             law_about(self._law_class, parameters.orbit, parameters)
-        ground = self.navigator.target.height
-        if refusal := parameters.envelope.refusal(parameters.orbit, self.drift, ground):
+        refusal, flown = (
+            asked.envelope.refusal(asked.orbit, self.drift, self.navigator.target.height)
+            for asked in (parameters, self.parameters)
+        )
+        if refusal and refusal != flown:  # else it is refused already, whatever changes
             raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")
 
     def change(self, **values: Any) -> None:
