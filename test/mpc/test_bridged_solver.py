@@ -44,6 +44,7 @@ def test_ipopt_solves_until_the_machine_code_is_there(solver, ready):
     assert first.converged
     warm = solver.solve(first.states[1], elapsed=solver.problem.step)
     assert warm.converged
+    assert solver.solve(np.full(5, np.nan), elapsed=0.0).status is Status.REFUSED
     ready.append(True)
     assert solver.name == "ipopt"  # it changes with a solve, not between
     following = solver.solve(warm.states[1], elapsed=solver.problem.step)

@@ -61,7 +61,6 @@ class BridgedSolver:
         self.problem = problem
         self._compiled = compiled
         self.time_limit = time_limit
-        self._last: Solution | None = None
         self._solver: Solver | None = None
 
     def prepare(self) -> Solver:
@@ -87,13 +86,12 @@ class BridgedSolver:
 
     def change(self, problem: OptimalControlProblem) -> None:
         """See :meth:`uav_tracking_mpc.mpc.solver.Solver.change`."""
-        self.problem, self._last = problem, None
+        self.problem = problem
         if self._solver is not None:
             self._solver.change(problem)
 
     def reset(self) -> None:
         """Forget the last plan: the next solve starts cold."""
-        self._last = None
         if self._solver is not None:
             self._solver.reset()
 
@@ -106,15 +104,11 @@ class BridgedSolver:
     ) -> Solution:
         """Solve P_N(x_0), (16): see :meth:`uav_tracking_mpc.mpc.solver.Solver.solve`."""
         solver = self.prepare()
-        if solver.name != BRIDGE:
-            return solver.solve(initial_state, parameters, elapsed, guess)
-        if not self._compiled():
-            solution = solver.solve(initial_state, parameters, elapsed, guess)
-            self._last = solution if solution.converged else None
-            return solution
-        last, self._last, self._solver = self._last, None, None
-        if last is not None and elapsed is not None:
-            inputs = shift(last.inputs, max(0.0, elapsed) / self.problem.step)
-            begin = Guess(inputs, last.decision)
-            return self.prepare().solve(initial_state, parameters, None, lambda: begin)
-        return self.prepare().solve(initial_state, parameters, None, guess)
+        if isinstance(solver, CasadiSolver) and self._compiled():
+            last, self._solver = solver.last, None
+            solver = self.prepare()
+            if last is not None and elapsed is not None:
+                inputs = shift(last.inputs, max(0.0, elapsed) / self.problem.step)
+                begin = Guess(inputs, last.decision)
+                return solver.solve(initial_state, parameters, None, lambda: begin)
+        return solver.solve(initial_state, parameters, elapsed, guess)

@@ -266,6 +266,9 @@ class CasadiSolver:
         iteration_limit: Per attempt; a solve makes up to two.
         time_limit: Wall time per solve in [s]; IPOPT looks at it once an iteration.
 
+    Attributes:
+        last: The plan from which a warm start begins; None after a solve that has failed.
+
     Raises:
         ValueError: A time limit that is not positive.
     """
@@ -284,7 +287,7 @@ class CasadiSolver:
         self._tolerance = tolerance
         self._iteration_limit = iteration_limit
         self._program = NonlinearProgram(problem)
-        self._last: Solution | None = None
+        self.last: Solution | None = None
         self._time_limit: float | None = None
         self.time_limit = time_limit
 
@@ -333,7 +336,7 @@ class CasadiSolver:
 
     def reset(self) -> None:
         """Forget the last plan: the next solve starts cold."""
-        self._last = None
+        self.last = None
 
     def solve(
         self,
@@ -349,9 +352,9 @@ class CasadiSolver:
             x_0, p = solve_data(problem, initial_state, parameters)
         except (TypeError, ValueError) as error:
             return self._unsolved(Status.REFUSED, str(error), begin)
-        warm = elapsed is not None and self._last is not None
+        warm = elapsed is not None and self.last is not None
         solutions: list[Solution] = []
-        for last in (self._last, None) if warm else (None,):
+        for last in (self.last, None) if warm else (None,):
             self._nlpsol = self._cold if last is None else self._warm
             guesses = plan_guesses(
                 problem,
@@ -366,7 +369,7 @@ class CasadiSolver:
             if solutions[-1].status in (Status.CONVERGED, Status.TIME_LIMIT):
                 break
         solution = min(solutions, key=lambda s: (not s.converged, s.violation > 1e-6, s.cost))
-        self._last = solution if solution.converged else None
+        self.last = solution if solution.converged else None
         return solution
 
     def _solve_from(
