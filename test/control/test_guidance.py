@@ -25,6 +25,7 @@ from hypothesis import strategies as st
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.guidance import HYSTERESIS, law_about, law_inputs, nearest_direction
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, DIRECTIONS
+from uav_tracking_mpc.estimation.navigator import Navigator
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws import GuidanceLaw
 from uav_tracking_mpc.laws.vector_field import VectorField
@@ -153,3 +154,16 @@ def test_a_law_that_cannot_be_made_for_an_orbit_refuses_it_as_a_whole(tmp_path):
     assert controller.parameters is parameters
     assert (controller.orbit.range, controller.orbit.speed) == (300.0, 22.0)
     controller.change(range=350.0)
+
+
+def test_a_law_that_refuses_the_orbit_off_an_airspeed_limit_goes_on_with_its_own(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "law.py").write_text(TABULATED.replace("orbit.range > 400.0", "orbit.speed > 16.0"))
+    law = f"law={tmp_path / 'law.py'}:Tabulated"
+    controller = Controller(small_uav.parameters(law, "airspeed=16.0"))
+    unknown = property(lambda navigator: (3.0, (0.0, 0.0)))
+    monkeypatch.setattr(Navigator, "airspeed_uncertainty", unknown)
+    controller._keep_margin()
+    assert controller.orbit.speed == controller._law.orbit.speed == 16.0
+    assert controller.events.take()[-1].words.startswith("the orbit stays as it was: the law")

@@ -212,8 +212,14 @@ class Controller:
     def _keep_margin(self) -> None:
         """Fly no slower than is safe by what is known of the airspeed."""
         flown = self._margin.flown(self.parameters, *self.navigator.airspeed_uncertainty)
-        if flown is not None:
+        if flown is None:
+            return
+        before = self._flown
+        try:
             self._fly_by(flown, self.response.flown)
+        except ParameterError as error:  # the law was asked about the orbit that was told alone
+            self._fly_by(before, self.response.flown)
+            self.events.add(Level.WARNING, f"the orbit stays as it was: {error}")
 
     def _fly_by(self, flown: TrackingParameters, response: Response | None) -> None:
         self._flown = flown
