@@ -147,6 +147,14 @@ def test_soft_terminal_set_is_exact_where_it_can_be_met(paper_start):
     np.testing.assert_allclose(solutions[0].inputs, solutions[1].inputs, atol=1e-4)
 
 
+def test_where_the_callers_guess_fails_it_starts_at_rest():
+    problem, start = integrator(horizon=8), np.array([1.0, 0.3])
+    guess = Guess(np.full((8, 1), np.nan), np.zeros(0))
+    solution = CasadiSolver(problem).solve(start, guess=lambda: guess)
+    assert solution.converged
+    assert solution.cost == pytest.approx(CasadiSolver(problem).solve(start).cost)
+
+
 def test_iteration_limit_is_said(paper_start):
     solver = CasadiSolver(problem_of(PAPER), iteration_limit=2)
     solution = solver.solve(tracking_error(paper_start, PAPER.orbit))

@@ -352,16 +352,18 @@ class CasadiSolver:
             x_0, p = solve_data(problem, initial_state, parameters)
         except (TypeError, ValueError) as error:
             return self._unsolved(Status.REFUSED, str(error), begin)
-        warm = elapsed is not None and self.last is not None
+        begins = [(None, guess), (None, None)]
+        if elapsed is not None and self.last is not None:
+            begins = [(self.last, None), *begins]
         solutions: list[Solution] = []
-        for last in (self.last, None) if warm else (None,):
+        for last, make in begins:
             self._nlpsol = self._cold if last is None else self._warm
             guesses = plan_guesses(
                 problem,
                 x_0,
                 last,
                 elapsed,
-                guess,
+                make,
                 lambda inputs, decision: self._program.rollout(x_0, inputs, p, decision),
             )
             for start in guesses[: 2 - len(solutions)]:
