@@ -153,6 +153,7 @@ def test_what_can_be_flown_is_neither_changed_nor_refused():
         (Orbit(300.0, 0.0, 40.0), STILL, ["40 m/s is not between 14 and 32", "of 32.0 m/s"]),
         (Orbit(300.0, 0.0, 22.0), [20.0, 0, 0], ["a drift of 20.0 m/s is too much", "22.3 m/s"]),
         (Orbit(300.0, 0.0, 32.0), [0, 0, -4.0], ["path angle of 7.2 deg cannot be held"]),
+        (Orbit(300.0, 0.0, 22.0), [0, 0, 25.0], ["path angle of -90 deg cannot be held"]),
         (Orbit(300.0, 0.0, 22.0), [40.0, 0, 0], ["no orbit can be flown in a drift of 40.0 m/s"]),
     ],
 )

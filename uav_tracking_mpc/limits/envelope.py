@@ -332,13 +332,13 @@ class Envelope:
         reason = self._airspeed.refusal(orbit, drift)
         if reason:
             return reason
-        if along >= DRIFT_SHARE * level_speed(airspeed, drift):
+        if along > DRIFT_SHARE * level_speed(airspeed, drift):
             return (
                 f"a drift of {along:.1f} m/s is too much for an airspeed of {airspeed:.3g} m/s, "
                 f"{DRIFT_SHARE:.0%} of which it may reach"
             )
         # To stay level with the target the air velocity makes up for the vertical drift.
-        path_angle = arcsine(-float(np.asarray(drift, dtype=float)[2]) / airspeed)
+        path_angle = arcsine((0.0 - float(np.asarray(drift, dtype=float)[2])) / airspeed)
         lower, upper = self.path_angle_limits(airspeed)
         if not lower <= path_angle <= upper:
             return (
