@@ -14,6 +14,7 @@
 
 """What is claimed of the terminal set is true at every moment of a change."""
 
+import shutil
 from dataclasses import replace
 
 import pytest
@@ -39,6 +40,13 @@ def test_a_certificate_holds_for_its_orbit_alone():
     watch.change(HARD)
     watch.wait()
     assert watch.claim.status == "certified"
+
+
+def test_a_damaged_file_beside_a_certificate_hides_none(tmp_path):
+    shutil.copytree(FOLDER, tmp_path, dirs_exist_ok=True)
+    (tmp_path / "zzz.json").write_text("{")
+    (tmp_path / "aaa.json").write_bytes(b"\xff")
+    assert certification.certification(HARD, tmp_path).status == "certified"
 
 
 def test_nothing_is_claimed_until_the_new_orbit_is_judged(monkeypatch):

@@ -20,6 +20,7 @@ time: what belongs to it is imported where it is used.
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -87,9 +88,10 @@ def certification(parameters: PaperParameters, folder: Path) -> CertificateStatu
             ) from error
     elif level is not None:
         for path in sorted(folder.glob("*.json")):
-            content = read_certificate(path)
-            if mismatch(content, problem, ingredients, level) is None:
-                chosen = content
+            with contextlib.suppress(OSError, ValueError):  # a damaged one proves nothing
+                content = read_certificate(path)
+                if mismatch(content, problem, ingredients, level) is None:
+                    chosen = content
     return certificate_status(problem, ingredients, level, chosen)
 
 
