@@ -18,6 +18,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from uav_tracking_mpc.dynamics import relative
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import (
     rates_function,
@@ -27,6 +28,7 @@ from uav_tracking_mpc.dynamics.relative import (
     vehicle_state,
 )
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
+from uav_tracking_mpc.dynamics.relative_models.kinematics import Exact
 from uav_tracking_mpc.dynamics.vehicle import advance
 
 RELATIVE = st.tuples(
@@ -53,6 +55,14 @@ def test_both_directions_are_equilibria(model, direction):
     rates = rates_function(model)(orbit.steady_state, steady_inputs(model, orbit))
     np.testing.assert_allclose(np.array(rates).ravel(), 0.0, atol=1e-14)
     assert np.sign(steady_inputs(model, orbit)[0]) == (-1 if direction == "clockwise" else 1)
+
+
+def test_in_flight_a_steady_turn_builds_no_expression(orbit, monkeypatch):
+    """Other threads may build some meanwhile, and would have to be waited for."""
+    expected = steady_inputs("exact", orbit)
+    monkeypatch.setattr(relative, "rates_function", None)
+    monkeypatch.setattr(Exact, "rates", None)
+    assert steady_inputs("exact", orbit) == pytest.approx(expected)
 
 
 def test_relative_model_and_vehicle_agree_along_random_flights():

@@ -19,6 +19,7 @@ The models themselves stand in :mod:`uav_tracking_mpc.dynamics.relative_models`.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -29,7 +30,7 @@ from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL, RelativeState
 from uav_tracking_mpc.dynamics.vehicle import INPUT_NAMES
-from uav_tracking_mpc.symbolic.functions import SCHEMES, evaluate
+from uav_tracking_mpc.symbolic.functions import SCHEMES, evaluate, one_at_a_time
 
 STATE_NAMES = RelativeState._fields
 NX, NU = len(STATE_NAMES), len(INPUT_NAMES)
@@ -51,6 +52,10 @@ def rates_function(model: str) -> ca.Function:
     return ca.Function("rates", [state, inputs], [ca.vertcat(*rates)])
 
 
+# Once for each model: parameters ask for it in flight, while other threads build expressions.
+_kept_rates = lru_cache(one_at_a_time(rates_function))
+
+
 def steady_inputs(model: str, orbit: Orbit) -> NDArray[np.float64]:
     """u_ss, shape (3,), that holds the orbit in the given model [rad/s, rad/s, m/s^2].
 
@@ -60,7 +65,7 @@ def steady_inputs(model: str, orbit: Orbit) -> NDArray[np.float64]:
         model: Name of a relative model.
         orbit: The orbit to hold.
     """
-    drift = RelativeState(*rates_function(model)(orbit.steady_state, np.zeros(NU)).full().ravel())
+    drift = RelativeState(*_kept_rates(model)(orbit.steady_state, np.zeros(NU)).full().ravel())
     return np.array([-drift.bearing, 0.0, 0.0])
 
 
