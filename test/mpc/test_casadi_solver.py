@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import dataclasses
+from threading import Thread
 
 import casadi as ca
 import numpy as np
@@ -31,6 +32,7 @@ from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import Inequality
 from uav_tracking_mpc.mpc.solver import Guess, Solution, Status
 from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.symbolic.functions import LOCK
 
 PROBLEM = paper_solver().problem
 STATE = np.full(PROBLEM.nx, 0.5)
@@ -145,6 +147,18 @@ def test_soft_terminal_set_is_exact_where_it_can_be_met(paper_start):
     ]
     assert all(solution.converged for solution in solutions)
     np.testing.assert_allclose(solutions[0].inputs, solutions[1].inputs, atol=1e-4)
+
+
+def test_another_budget_waits_until_nobody_else_builds_expressions():
+    solver = CasadiSolver(integrator(horizon=2))
+    before = solver._cold
+    with LOCK:
+        change = Thread(target=setattr, args=(solver, "time_limit", 0.5))
+        change.start()
+        change.join(0.2)
+        assert solver._cold is before
+    change.join()
+    assert solver._cold is not before
 
 
 def test_where_the_callers_guess_fails_it_starts_at_rest():

@@ -311,6 +311,7 @@ class CasadiSolver:
         self._time_limit = limit
         self._build(min(limit, LONGEST))
 
+    @one_at_a_time
     def _build(self, limit: float) -> None:
         """IPOPT reads its options once: with another budget it is another solver."""
         ipopt: dict[str, Any] = {
@@ -352,11 +353,9 @@ class CasadiSolver:
             x_0, p = solve_data(problem, initial_state, parameters)
         except (TypeError, ValueError) as error:
             return self._unsolved(Status.REFUSED, str(error), begin)
-        begins = [(None, guess), (None, None)]
-        if elapsed is not None and self.last is not None:
-            begins = [(self.last, None), *begins]
+        warm = [(self.last, None)] if elapsed is not None and self.last is not None else []
         solutions: list[Solution] = []
-        for last, make in begins:
+        for last, make in (*warm, (None, guess), (None, None)):
             self._nlpsol = self._cold if last is None else self._warm
             guesses = plan_guesses(
                 problem,
