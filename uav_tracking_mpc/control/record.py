@@ -16,9 +16,9 @@
 
 The file holds JSON lines: a header with version and parameters, then one line a call, in order,
 with the clock at the call, what the stopwatch showed and, of a step, which solver was ready and the
-command. Numbers are
-written so that they come back bit for bit. A controller that is given the same calls answers the
-same commands on the same machine, as long as no solve runs out of time: that is up to the clock.
+command. Numbers are written so that they come back bit for bit. A controller that is given the same
+calls answers the same commands on the same machine, as long as no solve runs out of time: that is
+up to the clock.
 """
 
 from __future__ import annotations

@@ -201,7 +201,7 @@ def heading_from_yaw(yaw: float) -> float:
         yaw: As autopilots tell it (North-East-Down, Forward-Right-Down) in [rad].
 
     Returns:
-        In [rad], in (-pi, pi]; the same function leads back.
+        In [rad], from -pi to pi; the same function leads back.
     """
     return math.remainder(0.5 * math.pi - yaw, 2.0 * math.pi)
 

@@ -369,7 +369,7 @@ class NewtonSolver:
             warm = self._warm and elapsed is not None
             stages = max(0.0, (elapsed or 0.0) / self.problem.step)  # 0 for nan as well
         except (TypeError, ValueError) as error:
-            return self._refused(str(error), begin)
+            return self._without_plan(Status.REFUSED, str(error), begin)
         deadline = begin + self.time_limit
         code = iterations = 0
         if warm:
@@ -387,7 +387,8 @@ class NewtonSolver:
             code = self._cold(deadline, guess)
             iterations += self._cold_start.iterations
         if code == REFUSED:
-            return self._refused("initial state or a parameter is not finite", begin)
+            reason = "initial state or a parameter is not finite"
+            return self._without_plan(Status.REFUSED, reason, begin)
         if code == NO_START:  # what is kept is an older plan, or none
             self._warm = False
             reason = "the dynamics are not finite from this state under any initial guess"
@@ -430,9 +431,6 @@ class NewtonSolver:
         if code == INFEASIBLE:
             return f"infeasible: hard constraints violated by {violation:.3g} at the best plan"
         return f"failed: no step lowers the cost, gradient {gradient:.3g}"
-
-    def _refused(self, reason: str, begin: float) -> Solution:
-        return self._without_plan(Status.REFUSED, reason, begin)
 
     def _without_plan(self, status: Status, reason: str, begin: float) -> Solution:
         elapsed = time.perf_counter() - begin
