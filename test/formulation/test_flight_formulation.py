@@ -64,6 +64,17 @@ def test_the_flight_parameters_alone_pose_the_problem():
     np.testing.assert_array_equal(plan_of(own, now).inputs, plan_of(formulation(), now).inputs)
 
 
+@pytest.mark.parametrize(("wanted", "above"), [("range=1e5", 0.0), ("altitude=1e4", 30.0)])
+def test_the_farthest_and_the_highest_orbit_that_can_be_asked_for_are_flown(wanted, above):
+    parameters = small_uav.parameters("range=10100.0", wanted)
+    orbit, north = parameters.orbit, parameters.orbit.sense * 0.5 * np.pi
+    vehicle = np.array([orbit.radius + 30.0, 0.0, orbit.altitude + above, north, 0.0, 22.0])
+    there = Situation(vehicle, *np.zeros((4, 3)))
+    plan = plan_of(formulation(parameters), there, orbit)
+    assert plan.solution.converged
+    assert plan.orbit[:2] == pytest.approx([orbit.range, orbit.altitude], abs=50.0)
+
+
 def test_the_guess_is_a_flight_that_leads_to_an_orbit_that_can_be_flown():
     for now in small_uav.random_situations(10, seed=8):
         inputs, decision = guess_of(now).guess

@@ -65,7 +65,8 @@ from uav_tracking_mpc.limits.envelope import BLENDS, input_span
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
 
 DECISION_SCALE = np.array([100.0, 30.0, 3.0])  # m, m, m/s: decisions are scaled to one size
-RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e4), 1e4, (0.1, 400.0)  # m, m, m/s
+# m, m, m/s: beyond what can be asked for, so that there is an orbit on either side of it.
+RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e5), 2e4, (0.1, 400.0)
 SQUARES = 0.01  # -, weight of squares by which a limit is passed, as a share of the penalty
 BAND_SCALE = 0.3  # m/s by which leaving the airspeed's band is as bad as 1 m/s beyond a limit
 SMALL = 0.01  # m, keeps distances smooth where they vanish
