@@ -233,6 +233,27 @@ def test_near_a_limit_of_place_it_is_not_flown(limit, near, far):
     assert np.any(Flown(**{limit: far}).added(CALM_TIME + 1.0))
 
 
+SIDEWAYS = """
+from dataclasses import dataclass
+from uav_tracking_mpc.limits import Bound, Limit
+
+@dataclass(frozen=True)
+class Sideways(Limit):
+    name = "sideways"
+
+    def stage(self, motion, numbers, xp):
+        return Bound(motion.airspeed * motion.turn_rate, -6.0, 6.0)
+"""
+
+
+@pytest.mark.parametrize(("turn_rate", "flown"), [(0.08, True), (0.25, False)])
+def test_a_limit_that_somebody_adds_is_told_the_turn(tmp_path, turn_rate, flown):
+    (tmp_path / "limit.py").write_text(SIDEWAYS)
+    excited = Flown(limits=f"{tmp_path / 'limit.py'}:Sideways")
+    present = replace(situation(), rates=np.array([turn_rate, 0.0, 0.0]))
+    assert np.any(excited.added(CALM_TIME + 1.0, present)) == flown
+
+
 def test_a_sharp_turn_leaves_no_room_for_it():
     flown = Flown()
     sharp = np.array([[0.95 * FLIGHT.envelope.turn_rate_max(ORBIT.speed), 0.0, 0.0]])

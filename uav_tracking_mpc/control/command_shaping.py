@@ -209,7 +209,8 @@ class Excitation:
             return f"the airspeed is {airspeed:.1f} m/s"
         if abs(inputs[0]) > TURN_SHARE * self._envelope.turn_rate_max(airspeed):
             return "the turn is near its limit"
-        motion = Motion(x, y, z, path_angle, airspeed)
+        turn_rate, _, acceleration = present.rates.tolist()
+        motion = Motion(x, y, z, path_angle, airspeed, turn_rate, acceleration)
         for limit in self._envelope.limits:
             margin = MARGIN
             if isinstance(limit, PathAngle):
