@@ -106,7 +106,9 @@ def test_after_a_failure_it_returns_to_optimal_plans(controller, start):
     assert words(controller)[-1] == "now flying optimal plan, before loiter law"
 
 
-@pytest.mark.parametrize("error", [ValueError("no such value"), ZeroDivisionError("by zero")])
+@pytest.mark.parametrize(
+    "error", [ValueError("no such value"), ZeroDivisionError("by zero"), KeyError("no such part")]
+)
 def test_a_controller_that_breaks_is_survived_and_named(controller, start, error):
     controller._fly(0.0, start)
     controller.formulation.error = error

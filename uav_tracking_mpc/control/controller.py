@@ -428,7 +428,7 @@ class Controller:
             where = estimate.effect, estimate.forecast, self.orbit
             try:
                 plan = self.formulation.solve(*where, elapsed)
-            except (ArithmeticError, RuntimeError, ValueError) as error:
+            except Exception as error:  # whatever a limit or model of somebody's raises
                 trouble = f"the controller failed: {error}"
             if plan is not None and not np.isfinite(plan.inputs).all():
                 trouble, plan = f"the plan is not finite: {plan.solution.message}", None
