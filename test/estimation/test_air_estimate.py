@@ -50,11 +50,17 @@ class AirFilter(AirEstimate):
         self.update(measurement, state, rates, 0.0, False)
 
 
-def flown(
+def flown(duration, **what):
+    """Filter and position after so long a flight."""
+    *_, last = flown_by_steps(duration, **what)
+    return last
+
+
+def flown_by_steps(
     duration, wind=(3.0, -5.0, 0.2), bias=(0.0, 0.0, 0.0), share=0.0, heading=0.0, noise=0.0,
     position_noise=(0.0, 0.0, 0.0), told=False, resolution=1e-9,
 ):  # fmt: skip
-    """Filter after circling in steady wind with sensors that err."""
+    """Filter and position after each step of circling in steady wind with sensors that err."""
     random, position = np.random.default_rng(2), np.array([100.0, 50.0, 120.0])
     filter_ = AirFilter()
     for k in range(round(duration / STEP)):
@@ -72,7 +78,7 @@ def flown(
         middle = psi + 0.5 * TURN * STEP
         position = position + chord * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
         position = position + STEP * np.array(wind)
-    return filter_, position
+        yield filter_, position
 
 
 def test_in_steady_wind_everything_else_is_nothing():
@@ -183,8 +189,8 @@ def test_noise_of_the_position_does_not_become_wind():
 @pytest.mark.parametrize("deviation", [0.5, 2.0, 5.0])
 def test_noise_of_the_position_that_nobody_tells_is_found_at_once(deviation):
     """Positions that scatter are no jumps, and lead to no bias of the ground velocity."""
-    for duration in (3, 10, 30):
-        found, position = flown(duration, position_noise=(deviation,) * 3, told=False)
+    flight = enumerate(flown_by_steps(30, position_noise=(deviation,) * 3, told=False), 1)
+    for found, position in (each for k, each in flight if k * STEP in (3.0, 10.0, 30.0)):
         assert np.linalg.norm(found.found.vehicle[:3] - position) < 1.2 + 2.0 * deviation
         assert np.abs(found.state.bias).max() < 0.5 + 0.4 * deviation
         assert found.health.states[POSITION] == USED
@@ -206,11 +212,13 @@ def test_a_position_that_is_seldom_measured_is_no_fault(every):
 
 def test_each_axis_is_smoothed_by_its_own_noise():
     def spread(told):
-        flights = (
-            flown(duration, position_noise=(1.0, 1.0, 9.0), told=told)
-            for duration in range(20, 60, 4)
-        )
-        errors = [found.found.vehicle[:3] - position for found, position in flights]
+        flight = enumerate(flown_by_steps(56, position_noise=(1.0, 1.0, 9.0), told=told), 1)
+        every = round(4.0 / STEP)
+        errors = [
+            found.found.vehicle[:3] - position
+            for k, (found, position) in flight
+            if k >= 5 * every and k % every == 0
+        ]
         return np.sqrt(np.mean(np.square(errors), axis=0))
 
     (east, north, up), (_, _, up_untold) = spread(True), spread(False)

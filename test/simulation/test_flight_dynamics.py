@@ -149,10 +149,10 @@ def test_servos_lag_and_have_ends():
 def test_turbulence_is_as_strong_as_drydens_and_follows_its_seed():
     scales = gust_scales(100.0, 15.4)
     winds = {}
-    for seed in (1, 1, 2):
+    for seed, seconds in ((1, 100), (2, 100), (1, 10)):
         airframe = started(seed, gust_intensity=15.4, initial_speed=25.0)
         fdm, seen = airframe._fdm, []
-        for _ in range(100 * RATE):  # where it is does not matter, but height and speed do
+        for _ in range(seconds * RATE):  # where it is does not matter, but height and speed do
             fdm["fcs/throttle-demand-norm"] = 0.7
             fdm["position/h-sl-meters"] = 100.0
             fdm["attitude/phi-rad"] = fdm["attitude/theta-rad"] = 0.0
@@ -160,8 +160,9 @@ def test_turbulence_is_as_strong_as_drydens_and_follows_its_seed():
             fdm.run()
             seen.append(airframe.wind)
         if seed in winds:
-            np.testing.assert_array_equal(winds[seed], seen)
-        winds[seed] = np.array(seen)
+            np.testing.assert_array_equal(winds[seed][: len(seen)], seen)
+        else:
+            winds[seed] = np.array(seen)
     assert not np.array_equal(winds[1], winds[2])
     deviations = np.std(np.concatenate([winds[1], winds[2]]), axis=0)
     expected = [scales.level, scales.level, scales.vertical]

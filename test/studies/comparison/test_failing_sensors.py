@@ -31,18 +31,34 @@ from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
 LONG = pytest.mark.long
 
 
+BEGIN = 30.0  # s, of what fails on an orbit, near which the flight begins
+NEAR = (
+    "uav_simulator.initial_position=[300.0, 0.0, 120.0]",
+    "uav_simulator.initial_heading=1.5707963267948966",
+)
+
+
 def flown_two_minutes(plant, wrong, *settings):
     """Log of a flight in wind, in which something is wrong from 60 s on."""
+    return flown(plant, wrong, *settings, begin=60.0, end=120.0)
+
+
+def flown_on_orbit(plant, wrong, *settings, end=80.0):
+    """The same from near the orbit, from ``BEGIN`` on."""
+    return flown(plant, wrong, *NEAR, *settings, begin=BEGIN, end=end)
+
+
+def flown(plant, wrong, *settings, begin, end):
     if plant == "jsbsim":
         pytest.importorskip("jsbsim")
     overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
     overrides += [*settings, "nmpc_controller.solve_time_max=10.0"]
-    changes = ((60.0, f"uav_simulator.{wrong}"),)
+    changes = ((begin, f"uav_simulator.{wrong}"),)
     config = dataclasses.replace(load_configuration("small_uav", overrides), changes=changes)
     loop = ClosedLoop(config)
-    while loop.time < 120.0:
+    while loop.time < end:
         loop.tick()
-    return loop.log(120.0)
+    return loop.log(end)
 
 
 @pytest.mark.parametrize(
@@ -167,14 +183,14 @@ def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wro
 )
 def test_an_aircraft_without_an_airspeed_bears_one_more_failure(plant, wrong, sensor):
     """The gyros tell that a heading jumps, and positions alone how the aircraft moves."""
-    log = flown_two_minutes(plant, wrong, "uav_simulator.airspeed_fault=silent")
+    log = flown_on_orbit(plant, wrong, "uav_simulator.airspeed_fault=silent")
     named = [each for each in log.sensors if each.sensor == sensor]
     assert {each.state for each in named} <= (
         {"jumped"} if sensor == "heading" else {"off", "stuck"}
     )
-    assert 60.0 <= named[0].time < 63.5
-    assert np.abs(log.error[log.time > 100.0, 0]).max() < 1.5
-    airspeeds = log.vehicle[log.time > 60.0, 5]
+    assert BEGIN <= named[0].time < BEGIN + 3.5
+    assert np.abs(log.error[log.time > BEGIN + 40.0, 0]).max() < 1.5
+    airspeeds = log.vehicle[log.time > BEGIN, 5]
     assert 14.0 <= airspeeds.min() <= airspeeds.max() <= 32.0
 
 
@@ -249,9 +265,9 @@ def test_mistakes_in_what_a_source_tells_are_found_from_the_start(told, sensor, 
         return step(self, dataclasses.replace(seen, **told(seen)), *rest)
 
     monkeypatch.setattr(Controller, "step", mistaken)
-    log = flown_two_minutes("vehicle", "gust_intensity=2.0")
+    log = flown_on_orbit("vehicle", "gust_intensity=2.0", end=60.0)
     assert [(each.sensor, each.state) for each in log.sensors] == [(sensor, state)]
-    assert np.abs(log.error[log.time > 60.0, 0]).max() < 1.0
+    assert np.abs(log.error[log.time > BEGIN, 0]).max() < 1.0
     assert log.vehicle[:, 5].min() > 16.0
     assert log.vehicle[:, 5].max() < 32.0
 
@@ -293,16 +309,16 @@ def test_in_gusts_and_with_noisy_positions_a_rigid_aircraft_survives(told, senso
 def test_a_position_that_is_carried_on_comes_to_an_end(velocity, lost):
     """Nobody flies for ever by a place that only wind and velocities tell."""
     faults = {"position_fault": "silent", "velocity_fault": velocity}
-    found = 60.0 + lost + 5.0
-    changes = [(60.0, f"uav_simulator.{name}={fault}") for name, fault in faults.items()]
+    found = BEGIN + lost + 5.0
+    changes = [(BEGIN, f"uav_simulator.{name}={fault}") for name, fault in faults.items()]
     changes += [(found, f"uav_simulator.{name}=none") for name in faults]
-    config = load_configuration("small_uav", ["uav_simulator.wind=[5.0, 3.0, 0.0]"])
+    config = load_configuration("small_uav", [*NEAR, "uav_simulator.wind=[5.0, 3.0, 0.0]"])
     loop = ClosedLoop(dataclasses.replace(config, changes=tuple(changes)))
     while loop.time < found + 5.0:
         loop.tick()
     silent, again = loop.log(loop.time).modes[-2:]
     assert silent.mode is FallbackMode.SILENCE
-    assert silent.time == pytest.approx(60.0 + lost, abs=1.5)
+    assert silent.time == pytest.approx(BEGIN + lost, abs=1.5)
     assert again.mode.nominal
     assert found <= again.time < found + 4.0
 
@@ -333,10 +349,10 @@ def test_a_receiver_that_comes_less_often_than_the_attitude_is_flown_by(absent, 
         return step(self, dataclasses.replace(seen, **told), *rest)
 
     monkeypatch.setattr(Controller, "step", seldom)
-    log = flown_two_minutes("jsbsim", "position_bias=[8.0,0.0,0.0]", "uav_simulator.seed=2")
+    log = flown_on_orbit("jsbsim", "position_bias=[8.0,0.0,0.0]", "uav_simulator.seed=2", end=60.0)
     news = [(each.sensor, each.state) for each in log.sensors]
     assert news == [("position", "jumped"), ("position", USED)]
     assert log.softened == 1.0  # nothing swings
-    before = (log.time > 30.0) & (log.time < 60.0)
+    before = (log.time > 15.0) & (log.time < BEGIN)
     assert np.abs(log.error[before, 0]).max() < 1.0
     assert np.abs(log.vehicle[before, 5] - 22.0).max() < 0.7
