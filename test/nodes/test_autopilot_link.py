@@ -90,6 +90,10 @@ def test_an_empty_list_is_none_of_bytes(node):
     assert made.parameters.origin == ()
 
 
+def test_an_empty_list_as_ros_dumps_it_is_empty(node):
+    assert node(origin="null").parameters.origin == ()
+
+
 def test_what_it_is_told_at_the_start_stays_and_is_documented_so(node):
     made = node()
     for each in specifications(LinkParameters):
