@@ -25,6 +25,7 @@ Made to be included, once for each aircraft::
 from launch_ros.actions import Node
 
 from uav_tracking_mpc.launch.fleet import ONE_ARGUMENTS, described
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import configuration_folder, found
 
 PACKAGE = "uav_tracking_mpc"
@@ -70,14 +71,22 @@ def _simulator(given):
     parameters = {"start_on_command": True}
     if _true(given["publish_clock"] or given["use_sim_time"]):
         parameters |= {"publish_clock": True, "wait_for_subscribers": 1}
-        parameters["speed"] = float(given["speed"])
+        parameters["speed"] = _number("speed", given["speed"])
     if given["initial_position"]:
         parameters["initial_position"] = [
-            float(value) for value in given["initial_position"].strip("[]").split(",")
+            _number("initial_position", value)
+            for value in given["initial_position"].strip("[]").split(",")
         ]
     if given["initial_heading"]:
-        parameters["initial_heading"] = float(given["initial_heading"])
+        parameters["initial_heading"] = _number("initial_heading", given["initial_heading"])
     return parameters
+
+
+def _number(name, value):
+    try:
+        return float(value)
+    except ValueError:
+        raise ParameterError(f"argument {name!r} is {value!r}, must be a number") from None
 
 
 def _true(value):

@@ -199,3 +199,23 @@ def test_without_an_airspeed_the_path_of_a_body_goes_by_what_is_known_of_the_win
     air.wind = np.array([8.0, 0.0, 0.0])
     path, _ = air.see_state(body)
     assert math.sin(path.path_angle) == pytest.approx(4.0 / math.hypot(22.0, 4.0))
+
+
+@pytest.mark.parametrize(
+    ("airspeed", "failed", "followed"),
+    [(22.0, False, False), (22.0, True, True), (None, False, True)],
+)
+def test_an_autopilot_with_a_wrong_airspeed_dives_and_is_followed_at_once(
+    airspeed, failed, followed
+):
+    air, step = AirData(0.5), 0.02
+    air.hold_altitude(True)
+    air.failed = failed
+    for k in range(50):
+        time = step * k
+        climb, height = -6.0 * time, -3.0 * time**2
+        velocity, pitch = np.array([22.0, 0.0, climb]), math.asin(climb / 22.0)
+        place = np.array([22.0 * time, 0.0, height])
+        body = Measurement(time, place, velocity, 0.0, pitch, airspeed=airspeed, bank=0.0)
+        path, _ = air.see_state(body)
+    assert path.ground_velocity[2] == pytest.approx(climb if followed else 0.4 * climb, abs=0.1)

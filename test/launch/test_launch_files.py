@@ -134,6 +134,15 @@ def test_a_wrong_number_of_aircraft_is_refused(count):
         started(TRACKING, aircraft=count)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("speed", "fast"), ("initial_position", "600, x, 100"), ("initial_heading", "north")],
+)
+def test_what_is_no_number_is_refused_by_its_name(name, value):
+    with pytest.raises(ParameterError, match=f"argument '{name}' is .* must be a number"):
+        started(AIRCRAFT, use_sim_time="true", **{name: value})
+
+
 @pytest.mark.parametrize("namespace", ["uav 1", "1uav", "uav//a", "uav-1", "~"])
 def test_a_namespace_that_ros_does_not_take_is_refused(namespace):
     with pytest.raises(ParameterError, match="argument 'namespace' is"):

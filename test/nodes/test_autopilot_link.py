@@ -35,6 +35,8 @@ from uav_tracking_mpc.nodes.autopilot_link import ANSWERS, AutopilotLink
 from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometry, nanoseconds
 from uav_tracking_mpc.nodes.ros.diagnostics import ERROR, OK, WARN
 from uav_tracking_mpc.nodes.topics import COMMAND, ENGAGED, ODOMETRY, TARGET_ODOMETRY
+from uav_tracking_mpc.parameters.specification import specifications
+from uav_tracking_mpc.settings.link import LinkParameters
 
 pytestmark = pytest.mark.nodes
 
@@ -86,6 +88,16 @@ def test_an_empty_list_is_none_of_bytes(node):
     made = node()
     assert made.get_parameter("origin").type_ is Parameter.Type.NOT_SET
     assert made.parameters.origin == ()
+
+
+def test_an_empty_list_as_ros_dumps_it_is_empty(node):
+    assert node(origin="null").parameters.origin == ()
+
+
+def test_what_it_is_told_at_the_start_stays_and_is_documented_so(node):
+    made = node()
+    for each in specifications(LinkParameters):
+        assert each.fixed and made.describe_parameter(each.name).read_only, each.name
 
 
 def test_states_are_published_with_ros_stamps_as_they_come(made):

@@ -104,16 +104,18 @@ class AirData:
 
     def __init__(self, timeout: float) -> None:
         self.timeout, self.limits = timeout, (0.0, math.inf)
-        self._path = FlightPath()
+        self._path, self._held = FlightPath(), False
         self.reset()
 
     def hold_altitude(self, held: bool) -> None:
         """Say whether an autopilot holds the altitude, so that quick changes are not commanded.
 
+        An autopilot without a good airspeed does not: it dives, or climbs, by a wrong one.
+
         Args:
             held: Whether it does; not so at the start.
         """
-        self._path.climb_frequency = SLOW_CLIMB if held else QUICK_CLIMB
+        self._held = held
 
     def reset(self) -> None:
         """Forget the aircraft and the airspeed."""
@@ -175,6 +177,8 @@ class AirData:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         self._path.velocity_failed = self.velocity_failed
+        held = self._held and not (self.missing or self.failed)
+        self._path.climb_frequency = SLOW_CLIMB if held else QUICK_CLIMB
         if airspeed is None:
             plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:

@@ -36,10 +36,14 @@ class LinkParameters(FrameParameters):
         fixed=True,
     )
     engage: bool = parameter(
-        False, "Take command as soon as there is something to fly and nothing speaks against it."
+        False,
+        "Take command as soon as there is something to fly and nothing speaks against it.",
+        fixed=True,
     )
     engage_on_mode: bool = parameter(
-        False, "A pilot who switches to the mode of external commands hands over command."
+        False,
+        "A pilot who switches to the mode of external commands hands over command.",
+        fixed=True,
     )
     origin: tuple[float, ...] = parameter(
         (),

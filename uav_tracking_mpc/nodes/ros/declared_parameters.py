@@ -65,8 +65,11 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
     # Limits and models may bring parameters of their own.
     parameters = parameters.extended(overrides)
     known = specifications(parameters)
+    # An empty list is not set, and `ros2 param dump` writes it as null, which comes as a text.
+    lists = {specification.name for specification in known if specification.default == ()}
+    unset = {name for name in lists if overrides.get(name) == "null"}
     for specification in known:
-        if specification.name in overrides:  # before rclpy does, with a better message
+        if specification.name in overrides.keys() - unset:  # before rclpy, with a better message
             specification.check(overrides[specification.name])
     values = {
         specification.name: _plain(
@@ -75,6 +78,7 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
                 # rclpy would call an empty list one of bytes.
                 None if specification.default == () else ros_value(specification.default),
                 _descriptor(specification, changeable, isinstance(node, LifecycleNode)),
+                ignore_override=specification.name in unset,
             ).value
         )
         for specification in known
