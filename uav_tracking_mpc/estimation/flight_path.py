@@ -79,6 +79,7 @@ SLIP_FREQUENCY = 1.0  # rad/s, omega_s: how quickly a slip follows the turn
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
 NOSE_JUMP = 0.2  # rad, from one attitude to the next, beyond the turn: the compass has jumped
 TRIAL = 20.0  # s, over which the turns by bank and by nose are compared
+SLOW_TURN = 0.03  # rad/s, of an average, up to which it tells little of the airspeed
 ROLLING = 3.0  # s, over which both are averaged before: the nose does not follow a quick roll
 CONTRADICTION = 0.01  # rad^2/s^2, beyond which the bank is left out; a slip makes a quarter of it
 STEEPEST = 1.5  # rad, bank or pitch beyond which no turn is coordinated
@@ -275,6 +276,7 @@ class FlightPath:
         self._up, self._nose_climb = math.nan, 0.0  # m/s: the climb, and that of the nose with it
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
+        self._banked = self._turned = 0.0  # rad/s, the same averaged
 
     @property
     def climb_failed(self) -> bool:
@@ -293,8 +295,13 @@ class FlightPath:
 
     @property
     def airspeed_share(self) -> float:
-        """Airspeed at which the turn fits the bank, as a share of the one that was gone by [-]."""
-        return 1.0 if self.contradicted else 1.0 / (1.0 + self._direction.share)
+        """Airspeed at which the turn fits the bank, as a share of the one that was gone by [-].
+
+        By averages: gusts from the side swing the nose, and k with it, while the aircraft rolls.
+        """
+        surplus = self._banked * (self._turned - self._banked)
+        share = _within(surplus / (self._banked**2 + SLOW_TURN**2), SHARE_LIMIT)
+        return 1.0 if self.contradicted else 1.0 / (1.0 + share)
 
     def of(self, measurement: Measurement, airspeed: float) -> Measurement:
         """The same with climb, heading, path angle and their rates of the air velocity.
@@ -339,6 +346,8 @@ class FlightPath:
                 share = step / ROLLING
                 self._by_bank += share * (by_bank - self._by_bank)
                 self._by_nose += share * (turned / step - self._by_nose)
+                self._banked += step / TRIAL * (self._by_bank - self._banked)
+                self._turned += step / TRIAL * (self._by_nose - self._turned)
                 against = self._by_bank * (self._by_bank - 2.0 * self._by_nose)
                 self._contradiction += step / TRIAL * (against - self._contradiction)
         direction.see(time, None if self.heading_stuck else nose, by_bank)
