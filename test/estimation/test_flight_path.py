@@ -252,6 +252,18 @@ def test_an_aircraft_that_is_steered_by_a_climb_of_the_other_sign_is_caught(nois
     assert climbs[[7, 8, *range(9, 15)]].max() < 2.0
 
 
+def test_a_heading_that_is_known_to_be_wrong_neither_turns_the_flight_nor_contradicts_the_bank():
+    path, bank = FlightPath(), bank_from_turn_rate(0.1, AIRSPEED)
+    for k in range(1200):
+        path.heading_failed = k > 200
+        heading = 0.1 * 0.05 * k * (1.0 if k < 200 else -1.0)
+        told = path.of(body(0.05 * k, bank, heading=heading, path_angle=0.0), AIRSPEED)
+    assert not path.contradicted
+    assert told.turn_rate == pytest.approx(0.1, abs=0.01)
+    # Whether it is right again shows where the compass points.
+    assert math.remainder(told.heading - heading, math.tau) == pytest.approx(0.0, abs=0.01)
+
+
 def test_while_the_heading_is_stuck_the_bank_alone_turns_the_flight():
     """And where it then points is for others to judge."""
     path, turn_rate = FlightPath(), 0.1

@@ -95,6 +95,7 @@ class AirData:
         by_turn: Airspeed by bank and turn rate in [m/s]; inf where it is not known.
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
+        heading_failed: Whether the heading is: the turn then goes by the bank alone.
         position_noise: Standard deviation of positions that was found in [m].
         stuck: Whether the heading is stuck, and whether the ground velocity is.
         climb_state: State of a vertical velocity that pitch and height replace.
@@ -130,7 +131,7 @@ class AirData:
         self.stuck, self.climb_state = (False, False), USED
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
-        self.wind_known = self.failed = self.velocity_failed = False
+        self.wind_known = self.failed = self.velocity_failed = self.heading_failed = False
         self.nose: tuple[float, float] | None = None
         self.estimated, self.by_turn, self.position_noise = 0.0, math.inf, 0.0
         self.impossible = False
@@ -175,6 +176,7 @@ class AirData:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         self._path.velocity_failed = self.velocity_failed
+        self._path.heading_failed = self.heading_failed
         if airspeed is None:
             plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:

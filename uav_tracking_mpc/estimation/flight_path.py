@@ -259,6 +259,7 @@ class FlightPath:
         climb_stuck: Whether the measured climb is stuck.
         height_noise: Standard deviation of the height in [m].
         heading_stuck: Whether the heading is: the turn then goes by the bank alone.
+        heading_failed: Whether it is known to be wrong otherwise: likewise.
         climb: By pitch and height, and what that says of the measured one.
     """
 
@@ -272,6 +273,7 @@ class FlightPath:
         self._followed = Followed()  # w [m/s] and a [m/s^2]
         self.climb = Climb()
         self.velocity_failed = self.climb_stuck = self.heading_stuck = False
+        self.heading_failed = False
         self._contradiction = self._nose = self.height_noise = 0.0  # rad^2/s^2, rad, m
         self._up, self._nose_climb = math.nan, 0.0  # m/s: the climb, and that of the nose with it
         self._time = -math.inf
@@ -339,7 +341,8 @@ class FlightPath:
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
         turned = math.remainder(nose - self._nose, 2.0 * math.pi)
-        if 0.0 < step <= LONGEST_STEP and not self.heading_stuck:
+        no_heading = self.heading_stuck or self.heading_failed
+        if 0.0 < step <= LONGEST_STEP and not no_heading:
             if abs(turned - step * by_bank) > NOSE_JUMP:
                 direction.heading += turned  # for others to judge; it tells nothing of the turn
             else:
@@ -350,7 +353,9 @@ class FlightPath:
                 self._turned += step / TRIAL * (self._by_nose - self._turned)
                 against = self._by_bank * (self._by_bank - 2.0 * self._by_nose)
                 self._contradiction += step / TRIAL * (against - self._contradiction)
-        direction.see(time, None if self.heading_stuck else nose, by_bank)
+        direction.see(time, None if no_heading else nose, by_bank)
+        if self.heading_failed and not self.heading_stuck:
+            direction.heading = nose  # for others to judge whether it is right again
         self._nose = direction.heading if self.heading_stuck else nose
         if self.contradicted:
             return measurement
