@@ -252,6 +252,16 @@ def test_an_aircraft_that_is_steered_by_a_climb_of_the_other_sign_is_caught(nois
     assert climbs[[7, 8, *range(9, 15)]].max() < 2.0
 
 
+def test_a_bank_that_changes_its_sign_tells_nothing_of_the_airspeed():
+    path, least = FlightPath(), 1.0
+    for k in range(1000):
+        bank = bank_from_turn_rate(0.1 if k < 600 else -0.1, AIRSPEED)
+        path.of(body(0.05 * k, bank, heading=0.1 * 0.05 * k), AIRSPEED)
+        least = min(least, path.airspeed_share)
+    assert path.contradicted
+    assert least > 1.0 - TURN_SLIP
+
+
 def test_a_heading_that_is_known_to_be_wrong_neither_turns_the_flight_nor_contradicts_the_bank():
     path, bank = FlightPath(), bank_from_turn_rate(0.1, AIRSPEED)
     for k in range(1200):

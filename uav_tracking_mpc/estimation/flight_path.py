@@ -79,7 +79,7 @@ SLIP_FREQUENCY = 1.0  # rad/s, omega_s: how quickly a slip follows the turn
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
 NOSE_JUMP = 0.2  # rad, from one attitude to the next, beyond the turn: the compass has jumped
 TRIAL = 20.0  # s, over which the turns by bank and by nose are compared
-SLOW_TURN = 0.03  # rad/s, of an average, up to which it tells little of the airspeed
+SLOW_TURN = 0.03  # rad/s, up to which a turn tells little of the airspeed
 ROLLING = 3.0  # s, over which both are averaged before: the nose does not follow a quick roll
 CONTRADICTION = 0.01  # rad^2/s^2, beyond which the bank is left out; a slip makes a quarter of it
 STEEPEST = 1.5  # rad, bank or pitch beyond which no turn is coordinated
@@ -274,11 +274,11 @@ class FlightPath:
         self.climb = Climb()
         self.velocity_failed = self.climb_stuck = self.heading_stuck = False
         self.heading_failed = False
-        self._contradiction = self._nose = self.height_noise = 0.0  # rad^2/s^2, rad, m
+        self._nose = self.height_noise = 0.0  # rad, m
         self._up, self._nose_climb = math.nan, 0.0  # m/s: the climb, and that of the nose with it
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
-        self._banked = self._turned = 0.0  # rad/s, the same averaged
+        self._banked = self._along = 0.0  # rad^2/s^2, averages of r_b^2 and r_b r_n
 
     @property
     def climb_failed(self) -> bool:
@@ -288,7 +288,7 @@ class FlightPath:
     @property
     def contradicted(self) -> bool:
         """Whether the nose turns against the bank."""
-        return self._contradiction > CONTRADICTION
+        return self._banked - 2.0 * self._along > CONTRADICTION
 
     @property
     def surplus(self) -> float:
@@ -301,8 +301,8 @@ class FlightPath:
 
         By averages: gusts from the side swing the nose, and k with it, while the aircraft rolls.
         """
-        surplus = self._banked * (self._turned - self._banked)
-        share = _within(surplus / (self._banked**2 + SLOW_TURN**2), SHARE_LIMIT)
+        share = (self._along - self._banked) / (self._banked + SLOW_TURN**2)
+        share = _within(share, SHARE_LIMIT)
         return 1.0 if self.contradicted else 1.0 / (1.0 + share)
 
     def of(self, measurement: Measurement, airspeed: float) -> Measurement:
@@ -349,10 +349,9 @@ class FlightPath:
                 share = step / ROLLING
                 self._by_bank += share * (by_bank - self._by_bank)
                 self._by_nose += share * (turned / step - self._by_nose)
-                self._banked += step / TRIAL * (self._by_bank - self._banked)
-                self._turned += step / TRIAL * (self._by_nose - self._turned)
-                against = self._by_bank * (self._by_bank - 2.0 * self._by_nose)
-                self._contradiction += step / TRIAL * (against - self._contradiction)
+                along = self._by_bank * self._by_nose
+                self._banked += step / TRIAL * (self._by_bank**2 - self._banked)
+                self._along += step / TRIAL * (along - self._along)
         direction.see(time, None if no_heading else nose, by_bank)
         if self.heading_failed and not self.heading_stuck:
             direction.heading = nose  # for others to judge whether it is right again
