@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.estimation.air_data import STUCK_CLIMB, AirData
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement
 from uav_tracking_mpc.estimation.sensor_health import STUCK
 
 
@@ -106,6 +106,23 @@ def test_a_vertical_velocity_that_does_not_change_as_the_aircraft_climbs_is_stuc
         air.see_state(Measurement(time, position, velocity, 0.0, 0.0))
         off = abs(climb - told) * time
         assert abs(off - STUCK_CLIMB) < 0.2 or air.stuck == (False, off > STUCK_CLIMB)
+
+
+@pytest.mark.parametrize(
+    ("changes", "stuck"),
+    [({}, True), ({"bank": None}, False), ({"axis": Axis.AIR_VELOCITY}, False)],
+)
+def test_a_bank_that_stays_while_the_nose_turns_quicker_and_slower_is_stuck(changes, stuck):
+    air, nose = AirData(0.5), 0.0
+    for time in np.arange(0.0, 8.0, 0.05):
+        rate = 0.1 + 0.15 * math.sin(time)
+        nose += 0.05 * rate
+        velocity = 20.0 * np.array([math.cos(nose), math.sin(nose), 0.0])
+        seen = Measurement(time, np.zeros(3), velocity, nose, 0.0, rate, 0.0, 20.0, bank=-0.2)
+        path, _ = air.see_state(replace(seen, **changes))
+    words = [said for holds, said in air.concerns() if holds]
+    assert ("the bank is stuck: the attitude is taken for the direction flown" in words) == stuck
+    assert path.turn_rate == rate  # of the nose, or as it is told
 
 
 @pytest.mark.parametrize(

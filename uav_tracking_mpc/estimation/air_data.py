@@ -22,21 +22,22 @@ after a gap goes by the airspeed from before the gap.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
-from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
 from uav_tracking_mpc.estimation.sensor_health import OFF, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
-# s, rad, m: a reading that repeats is stuck once it has done so for longer than STUCK_TIME, while
-# the aircraft turned, or climbed, by more than these. A sensor that is read less often than states
-# are sent repeats itself, too.
-STUCK_TIME, STUCK_TURN, STUCK_CLIMB = 0.7, 0.04, 3.0
+# s, rad, m, rad/s: a reading that repeats is stuck once it has done so for longer than STUCK_TIME,
+# while the aircraft turned, or climbed, by more than these; a bank, while the turn rate changed by
+# more than STUCK_ROLL. A sensor that is read less often than states are sent repeats itself, too.
+STUCK_TIME, STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.7, 0.04, 3.0, 0.1
 # -, factors on the least and the greatest airspeed of the aircraft, beyond which an airspeed is
 # impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
 # it is used again
@@ -127,6 +128,7 @@ class AirData:
         self.missing = self.awaited = False
         self._path.reset()
         self._heading, self._velocity, self._climb, self._level = (Repetition() for _ in range(4))
+        self._bank, self._turn_rate = Repetition(), 0.0  # rad/s, of the nose
         self._height = math.nan
         self.stuck, self.climb_state = (False, False), USED
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
@@ -181,9 +183,10 @@ class AirData:
             plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:
             plausible = self._plausible(measurement, airspeed)
-        of_path = self._path.of(measurement, plausible)
+        attitude = replace(measurement, bank=None) if self._bank.stuck else measurement
+        of_path = self._path.of(attitude, plausible)
         by_gyros = measurement.heading, measurement.turn_rate
-        self.nose = None if of_path is measurement else by_gyros
+        self.nose = None if of_path is attitude else by_gyros
         climb_stuck, self.climb_state = self._path.climb_stuck, USED
         if self.nose is not None and self._path.climb_failed:
             self.climb_state = STUCK if climb_stuck else OFF
@@ -216,6 +219,9 @@ class AirData:
         turned = elapsed * measurement.turn_rate
         self._heading.see(measurement.heading, elapsed, turned, STUCK_TURN)
         self._velocity.see(velocity, elapsed, turned, STUCK_TURN)
+        told = measurement.axis is Axis.BODY and measurement.bank is not None
+        rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
+        self._bank.see(measurement.bank, elapsed, told * rolled, STUCK_ROLL)
         missed = height - self._height - elapsed * velocity[2]
         missed = 0.0 if math.isnan(missed) else missed
         most = STUCK_CLIMB + NOISE_MULTIPLE * self._path.height_noise
@@ -269,6 +275,7 @@ class AirData:
                 self._path.contradicted,
                 "the nose turns against the bank: the attitude is taken for the direction flown",
             ),
+            (self._bank.stuck, "the bank is stuck: the attitude is taken for the direction flown"),
             (
                 self.missing and not self.awaited and not wind_known,
                 "no airspeed is measured: the air is taken as still",
