@@ -21,6 +21,7 @@ import pytest
 
 from uav_tracking_mpc.estimation.air_data import STUCK_CLIMB, AirData
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+from uav_tracking_mpc.estimation.sensor_check import STALE
 from uav_tracking_mpc.estimation.sensor_health import STUCK
 
 
@@ -106,6 +107,28 @@ def test_a_vertical_velocity_that_does_not_change_as_the_aircraft_climbs_is_stuc
         air.see_state(Measurement(time, position, velocity, 0.0, 0.0))
         off = abs(climb - told) * time
         assert abs(off - STUCK_CLIMB) < 0.2 or air.stuck == (False, off > STUCK_CLIMB)
+
+
+@pytest.mark.parametrize(
+    ("period", "unplaced", "found"),
+    [(1.0, False, math.inf), (1.0, True, math.inf), (9.0, False, STALE)],
+)
+def test_a_receiver_that_is_read_seldom_is_not_stuck_and_one_that_stands_is(
+    period, unplaced, found
+):
+    """It turns and climbs; between two fixes the position stays, or is unknown."""
+    air, fixed, first = AirData(0.5), -math.inf, math.inf
+    for time in np.arange(0.0, 6.0, 0.05):
+        here = time - fixed >= period - 1e-9
+        if here:
+            fixed, turned = time, 0.3 * time
+            east, north, up = math.cos(turned), math.sin(turned), 4.0 + 0.1 * math.sin(turned)
+            position = np.array([20.0 / 0.3 * north, -20.0 / 0.3 * east, 4.0 * time])
+            velocity = np.array([20.0 * east, 20.0 * north, up])
+        place = position if here or not unplaced else [math.nan] * 3
+        air.see_state(Measurement(time, place, velocity, 0.3 * time, 0.2, 0.3, airspeed=20.0))
+        first = min(first, time) if air.stuck[1] else first
+    assert first == pytest.approx(found, abs=0.1)
 
 
 @pytest.mark.parametrize(

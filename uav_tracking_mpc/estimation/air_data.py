@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
+from uav_tracking_mpc.estimation.sensor_check import STALE
 from uav_tracking_mpc.estimation.sensor_health import OFF, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
@@ -52,14 +53,22 @@ class Repetition:
 
     Attributes:
         stuck: Whether it does.
+        time: For how long it has stayed the same in [s].
     """
 
     def __init__(self) -> None:
         self._reading: object = None
-        self._time = self._change = 0.0
+        self.time = self._change = 0.0
         self.stuck = False
 
-    def see(self, reading: object, elapsed: float, change: float, most: float) -> None:
+    def see(
+        self,
+        reading: object,
+        elapsed: float,
+        change: float,
+        most: float,
+        longest: float = STUCK_TIME,
+    ) -> None:
         """Take in a reading.
 
         Args:
@@ -67,12 +76,13 @@ class Repetition:
             elapsed: Since the one before in [s].
             change: Of the aircraft since then.
             most: Such change that a reading may not show.
+            longest: For how long it may stay the same all the same in [s].
         """
         same = reading == self._reading
         self._reading = reading
-        self._time = same * (self._time + elapsed)
+        self.time = same * (self.time + elapsed)
         self._change = same * (self._change + change)
-        changed = self._time > STUCK_TIME and abs(self._change) > most
+        changed = self.time > longest and abs(self._change) > most
         self.stuck = same and (self.stuck or changed)
 
 
@@ -129,7 +139,7 @@ class AirData:
         self._path.reset()
         self._heading, self._velocity, self._climb, self._level = (Repetition() for _ in range(4))
         self._bank, self._turn_rate = Repetition(), 0.0  # rad/s, of the nose
-        self._height = math.nan
+        self._place, self._stays = (math.nan,) * 3, 0.0  # m, and for how long it is the same in [s]
         self.stuck, self.climb_state = (False, False), USED
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
@@ -215,20 +225,26 @@ class AirData:
 
     def _compare(self, measurement: Measurement, elapsed: float) -> None:
         """Whether heading and ground velocity change as the aircraft does."""
-        velocity, height = measurement.ground_velocity.tolist(), float(measurement.position[2])
+        velocity, place = measurement.ground_velocity.tolist(), tuple(measurement.position.tolist())
         turned = elapsed * measurement.turn_rate
         self._heading.see(measurement.heading, elapsed, turned, STUCK_TURN)
-        self._velocity.see(velocity, elapsed, turned, STUCK_TURN)
+        # A velocity that comes again with its position is of a receiver that is read seldom.
+        repeats = place == self._place or not measurement.placed
+        self._stays = repeats * (self._stays + elapsed)
+        seldom = self._stays >= self._velocity.time + elapsed
+        longest = STALE if seldom else STUCK_TIME
+        self._velocity.see(velocity, elapsed, turned, STUCK_TURN, longest)
         told = measurement.axis is Axis.BODY and measurement.bank is not None
         rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
         self._bank.see(measurement.bank, elapsed, told * rolled, STUCK_ROLL)
-        missed = height - self._height - elapsed * velocity[2]
+        missed = place[2] - self._place[2] - elapsed * velocity[2]
         missed = 0.0 if math.isnan(missed) else missed
         most = STUCK_CLIMB + NOISE_MULTIPLE * self._path.height_noise
-        self._climb.see(velocity[2], elapsed, missed, most)
+        self._climb.see(velocity[2], elapsed, missed, most, longest)
         # Where height and climb are stuck together, the pitch tells.
-        self._level.see(velocity[2], elapsed, elapsed * self._path.climb.missed, STUCK_CLIMB)
-        self._height = height
+        by_pitch = elapsed * self._path.climb.missed
+        self._level.see(velocity[2], elapsed, by_pitch, STUCK_CLIMB, longest)
+        self._place = place
         self._compare_with_course(measurement.heading, velocity[0], velocity[1], elapsed)
         self._path.climb_stuck = self._climb.stuck or self._level.stuck
         self._path.heading_stuck = self._heading.stuck
