@@ -167,6 +167,16 @@ def test_an_airspeed_at_which_nobody_flies_is_left_out(airspeed, ground, impossi
     assert (air.impossible, air.missing) == (impossible, impossible)
 
 
+@pytest.mark.parametrize(("airspeed", "impossible"), [(9.0, False), (4.0, True), (29.0, True)])
+def test_an_airspeed_at_which_the_aircraft_flies_all_the_same_is_not_blamed(airspeed, impossible):
+    """From 14 to 22 m/s; with a wind of 5 m/s, 14 m/s over ground tell 9 m/s."""
+    air = AirData(0.5)
+    air.limits, air.wind, air.wind_known = (14.0, 22.0), np.array([5.0, 0.0, 0.0]), True
+    seen = Measurement(0.0, np.zeros(3), np.array([14.0, 0, 0]), 0.0, 0.0, airspeed=airspeed)
+    air.see_state(seen)
+    assert air.impossible == impossible
+
+
 def test_before_anything_is_estimated_there_is_nothing_to_agree_with():
     air = AirData(0.5)
     air.limits = 14.0, 22.0

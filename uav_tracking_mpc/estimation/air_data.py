@@ -217,6 +217,10 @@ class AirData:
         if airspeed is None:
             return False
         (low, high), (least, most) = POSSIBLE, self.limits
+        if self.wind_known and not self.velocity_failed:
+            flown = max(self._expected(measurement), SLOW)
+            if low <= airspeed / flown <= high:  # as after an engine that has failed
+                return False
         flies = math.hypot(*measurement.ground_velocity.tolist()) > low * least
         if airspeed > high * most or (airspeed < low * least and flies):
             return True
