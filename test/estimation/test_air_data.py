@@ -20,7 +20,8 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.estimation.air_data import STUCK_CLIMB, AirData
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+from uav_tracking_mpc.estimation.sensor_check import STALE
 from uav_tracking_mpc.estimation.sensor_health import STUCK
 
 
@@ -109,6 +110,45 @@ def test_a_vertical_velocity_that_does_not_change_as_the_aircraft_climbs_is_stuc
 
 
 @pytest.mark.parametrize(
+    ("period", "unplaced", "found"),
+    [(1.0, False, math.inf), (1.0, True, math.inf), (9.0, False, STALE)],
+)
+def test_a_receiver_that_is_read_seldom_is_not_stuck_and_one_that_stands_is(
+    period, unplaced, found
+):
+    """It turns and climbs; between two fixes the position stays, or is unknown."""
+    air, fixed, first = AirData(0.5), -math.inf, math.inf
+    for time in np.arange(0.0, 6.0, 0.05):
+        here = time - fixed >= period - 1e-9
+        if here:
+            fixed, turned = time, 0.3 * time
+            east, north, up = math.cos(turned), math.sin(turned), 4.0 + 0.1 * math.sin(turned)
+            position = np.array([20.0 / 0.3 * north, -20.0 / 0.3 * east, 4.0 * time])
+            velocity = np.array([20.0 * east, 20.0 * north, up])
+        place = position if here or not unplaced else [math.nan] * 3
+        air.see_state(Measurement(time, place, velocity, 0.3 * time, 0.2, 0.3, airspeed=20.0))
+        first = min(first, time) if air.stuck[1] else first
+    assert first == pytest.approx(found, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "stuck"),
+    [({}, True), ({"bank": None}, False), ({"axis": Axis.AIR_VELOCITY}, False)],
+)
+def test_a_bank_that_stays_while_the_nose_turns_quicker_and_slower_is_stuck(changes, stuck):
+    air, nose = AirData(0.5), 0.0
+    for time in np.arange(0.0, 8.0, 0.05):
+        rate = 0.1 + 0.15 * math.sin(time)
+        nose += 0.05 * rate
+        velocity = 20.0 * np.array([math.cos(nose), math.sin(nose), 0.0])
+        seen = Measurement(time, np.zeros(3), velocity, nose, 0.0, rate, 0.0, 20.0, bank=-0.2)
+        path, _ = air.see_state(replace(seen, **changes))
+    words = [said for holds, said in air.concerns() if holds]
+    assert ("the bank is stuck: the attitude is taken for the direction flown" in words) == stuck
+    assert path.turn_rate == rate  # of the nose, or as it is told
+
+
+@pytest.mark.parametrize(
     ("airspeed", "ground", "impossible"),
     [
         (27.0, 5.0, False),
@@ -125,6 +165,16 @@ def test_an_airspeed_at_which_nobody_flies_is_left_out(airspeed, ground, impossi
     seen = Measurement(0.0, np.zeros(3), np.array([ground, 0.0, 0.0]), 0.0, 0.0, airspeed=airspeed)
     air.see_state(seen)
     assert (air.impossible, air.missing) == (impossible, impossible)
+
+
+@pytest.mark.parametrize(("airspeed", "impossible"), [(9.0, False), (4.0, True), (29.0, True)])
+def test_an_airspeed_at_which_the_aircraft_flies_all_the_same_is_not_blamed(airspeed, impossible):
+    """From 14 to 22 m/s; with a wind of 5 m/s, 14 m/s over ground tell 9 m/s."""
+    air = AirData(0.5)
+    air.limits, air.wind, air.wind_known = (14.0, 22.0), np.array([5.0, 0.0, 0.0]), True
+    seen = Measurement(0.0, np.zeros(3), np.array([14.0, 0, 0]), 0.0, 0.0, airspeed=airspeed)
+    air.see_state(seen)
+    assert air.impossible == impossible
 
 
 def test_before_anything_is_estimated_there_is_nothing_to_agree_with():

@@ -25,6 +25,7 @@ from uav_tracking_mpc.dynamics.frames import (
     rotation_from_quaternion,
     turn_rate_from_bank,
 )
+from uav_tracking_mpc.estimation.air_estimate import TURN_SLIP
 from uav_tracking_mpc.estimation.flight_path import (
     CLIMB_LAG,
     QUICK_CLIMB,
@@ -104,6 +105,27 @@ def test_a_broken_compass_is_not_flown_by_without_end():
     direction = FlightDirection()
     flown(direction, 60.0, 3.0, 0.1)
     assert abs(direction.surplus) <= SURPLUS_LIMIT
+
+
+@pytest.mark.parametrize("lead", [0.0, 0.7, 1.5])
+def test_gusts_that_swing_the_nose_tell_nothing_of_the_airspeed(lead):
+    # 2 m/s across the flight; meanwhile the aircraft rolls against them.
+    path, true, least = FlightPath(), 0.0, 1.0
+    for k in range(1500):
+        phase = 0.5 * 0.05 * k
+        rate, swing = 0.1 + 0.06 * math.sin(phase + lead), 0.1 * math.sin(phase)
+        true += 0.05 * rate
+        path.of(body(0.05 * k, bank_from_turn_rate(rate, AIRSPEED), heading=true + swing), AIRSPEED)
+        least = min(least, path.airspeed_share)
+    assert least > 1.0 - TURN_SLIP
+
+
+def test_a_turn_that_is_too_quick_for_its_bank_tells_of_the_airspeed():
+    path = FlightPath()
+    for k in range(1000):
+        bank = bank_from_turn_rate(0.1, 17.0)
+        path.of(body(0.05 * k, bank, heading=0.1 * 0.05 * k), AIRSPEED)
+    assert path.airspeed_share == pytest.approx(17.0 / AIRSPEED, rel=0.1)
 
 
 @pytest.mark.parametrize("bank", [-0.9, -0.3, 0.0, 0.6, 1.2])
@@ -228,6 +250,28 @@ def test_an_aircraft_that_is_steered_by_a_climb_of_the_other_sign_is_caught(nois
     assert not failed[12:].any()
     assert climbs[6] < 8.0
     assert climbs[[7, 8, *range(9, 15)]].max() < 2.0
+
+
+def test_a_bank_that_changes_its_sign_tells_nothing_of_the_airspeed():
+    path, least = FlightPath(), 1.0
+    for k in range(1000):
+        bank = bank_from_turn_rate(0.1 if k < 600 else -0.1, AIRSPEED)
+        path.of(body(0.05 * k, bank, heading=0.1 * 0.05 * k), AIRSPEED)
+        least = min(least, path.airspeed_share)
+    assert path.contradicted
+    assert least > 1.0 - TURN_SLIP
+
+
+def test_a_heading_that_is_known_to_be_wrong_neither_turns_the_flight_nor_contradicts_the_bank():
+    path, bank = FlightPath(), bank_from_turn_rate(0.1, AIRSPEED)
+    for k in range(1200):
+        path.heading_failed = k > 200
+        heading = 0.1 * 0.05 * k * (1.0 if k < 200 else -1.0)
+        told = path.of(body(0.05 * k, bank, heading=heading, path_angle=0.0), AIRSPEED)
+    assert not path.contradicted
+    assert told.turn_rate == pytest.approx(0.1, abs=0.01)
+    # Whether it is right again shows where the compass points.
+    assert math.remainder(told.heading - heading, math.tau) == pytest.approx(0.0, abs=0.01)
 
 
 def test_while_the_heading_is_stuck_the_bank_alone_turns_the_flight():

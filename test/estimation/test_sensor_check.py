@@ -543,6 +543,21 @@ def test_a_height_that_stays_while_the_aircraft_climbs_is_stuck_until_it_changes
     assert set(states[:stuck] + states[round(4.0 / STEP) + 1 :]) == {"used"}
 
 
+@pytest.mark.parametrize(("standing", "states"), [(False, {"used"}), (True, {"used", "stuck"})])
+def test_a_height_that_is_seldom_measured_is_stuck_only_beside_new_places(standing, states):
+    zeros = np.zeros(POSITION_CHECK.size)
+    check = Evaluated(position_checked, POSITION_CHECK, zeros, [1, 3, 1, 3, 1, 1])
+    carried, found = np.zeros(3), []
+    for k in range(round(6.0 / STEP)):
+        if k % 20 == 0:  # a second
+            seen = carried * [1.0, 1.0, not standing]
+        code, _, _, _ = check(STEP, seen, 1.0, carried, 3.0, 0.0)
+        found.append(STATES[int(code[0])])
+        carried += STEP * np.array([20.0, 0.0, 3.0])
+    assert set(found) == states
+    assert found[-1] == ("stuck" if standing else "used")
+
+
 def test_a_position_that_jumps_is_left_out_until_it_has_stayed_there():
     rows = placed(2.0 * JUMP, 1.5 * JUMP_TIME)
     arrived = rows.index(("used", True, True))

@@ -22,21 +22,23 @@ after a gap goes by the airspeed from before the gap.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
-from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
+from uav_tracking_mpc.estimation.sensor_check import STALE
 from uav_tracking_mpc.estimation.sensor_health import OFF, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
-# s, rad, m: a reading that repeats is stuck once it has done so for longer than STUCK_TIME, while
-# the aircraft turned, or climbed, by more than these. A sensor that is read less often than states
-# are sent repeats itself, too.
-STUCK_TIME, STUCK_TURN, STUCK_CLIMB = 0.7, 0.04, 3.0
+# s, rad, m, rad/s: a reading that repeats is stuck once it has done so for longer than STUCK_TIME,
+# while the aircraft turned, or climbed, by more than these; a bank, while the turn rate changed by
+# more than STUCK_ROLL. A sensor that is read less often than states are sent repeats itself, too.
+STUCK_TIME, STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.7, 0.04, 3.0, 0.1
 # -, factors on the least and the greatest airspeed of the aircraft, beyond which an airspeed is
 # impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
 # it is used again
@@ -51,14 +53,22 @@ class Repetition:
 
     Attributes:
         stuck: Whether it does.
+        time: For how long it has stayed the same in [s].
     """
 
     def __init__(self) -> None:
         self._reading: object = None
-        self._time = self._change = 0.0
+        self.time = self._change = 0.0
         self.stuck = False
 
-    def see(self, reading: object, elapsed: float, change: float, most: float) -> None:
+    def see(
+        self,
+        reading: object,
+        elapsed: float,
+        change: float,
+        most: float,
+        longest: float = STUCK_TIME,
+    ) -> None:
         """Take in a reading.
 
         Args:
@@ -66,12 +76,13 @@ class Repetition:
             elapsed: Since the one before in [s].
             change: Of the aircraft since then.
             most: Such change that a reading may not show.
+            longest: For how long it may stay the same all the same in [s].
         """
         same = reading == self._reading
         self._reading = reading
-        self._time = same * (self._time + elapsed)
+        self.time = same * (self.time + elapsed)
         self._change = same * (self._change + change)
-        changed = self._time > STUCK_TIME and abs(self._change) > most
+        changed = self.time > longest and abs(self._change) > most
         self.stuck = same and (self.stuck or changed)
 
 
@@ -95,6 +106,7 @@ class AirData:
         by_turn: Airspeed by bank and turn rate in [m/s]; inf where it is not known.
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
+        heading_failed: Whether the heading is: the turn then goes by the bank alone.
         position_noise: Standard deviation of positions that was found in [m].
         stuck: Whether the heading is stuck, and whether the ground velocity is.
         climb_state: State of a vertical velocity that pitch and height replace.
@@ -128,11 +140,12 @@ class AirData:
         self.missing = self.awaited = False
         self._path.reset()
         self._heading, self._velocity, self._climb, self._level = (Repetition() for _ in range(4))
-        self._height = math.nan
+        self._bank, self._turn_rate = Repetition(), 0.0  # rad/s, of the nose
+        self._place, self._stays = (math.nan,) * 3, 0.0  # m, and for how long it is the same in [s]
         self.stuck, self.climb_state = (False, False), USED
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
-        self.wind_known = self.failed = self.velocity_failed = False
+        self.wind_known = self.failed = self.velocity_failed = self.heading_failed = False
         self.nose: tuple[float, float] | None = None
         self.estimated, self.by_turn, self.position_noise = 0.0, math.inf, 0.0
         self.impossible = False
@@ -179,13 +192,15 @@ class AirData:
         self._path.velocity_failed = self.velocity_failed
         held = self._held and not (self.missing or self.failed)
         self._path.climb_frequency = SLOW_CLIMB if held else QUICK_CLIMB
+        self._path.heading_failed = self.heading_failed
         if airspeed is None:
             plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:
             plausible = self._plausible(measurement, airspeed)
-        of_path = self._path.of(measurement, plausible)
+        attitude = replace(measurement, bank=None) if self._bank.stuck else measurement
+        of_path = self._path.of(attitude, plausible)
         by_gyros = measurement.heading, measurement.turn_rate
-        self.nose = None if of_path is measurement else by_gyros
+        self.nose = None if of_path is attitude else by_gyros
         climb_stuck, self.climb_state = self._path.climb_stuck, USED
         if self.nose is not None and self._path.climb_failed:
             self.climb_state = STUCK if climb_stuck else OFF
@@ -206,6 +221,10 @@ class AirData:
         if airspeed is None:
             return False
         (low, high), (least, most) = POSSIBLE, self.limits
+        if self.wind_known and not self.velocity_failed:
+            flown = max(self._expected(measurement), SLOW)
+            if low <= airspeed / flown <= high:  # as after an engine that has failed
+                return False
         flies = math.hypot(*measurement.ground_velocity.tolist()) > low * least
         if airspeed > high * most or (airspeed < low * least and flies):
             return True
@@ -214,17 +233,26 @@ class AirData:
 
     def _compare(self, measurement: Measurement, elapsed: float) -> None:
         """Whether heading and ground velocity change as the aircraft does."""
-        velocity, height = measurement.ground_velocity.tolist(), float(measurement.position[2])
+        velocity, place = measurement.ground_velocity.tolist(), tuple(measurement.position.tolist())
         turned = elapsed * measurement.turn_rate
         self._heading.see(measurement.heading, elapsed, turned, STUCK_TURN)
-        self._velocity.see(velocity, elapsed, turned, STUCK_TURN)
-        missed = height - self._height - elapsed * velocity[2]
+        # A velocity that comes again with its position is of a receiver that is read seldom.
+        repeats = place == self._place or not measurement.placed
+        self._stays = repeats * (self._stays + elapsed)
+        seldom = self._stays >= self._velocity.time + elapsed
+        longest = STALE if seldom else STUCK_TIME
+        self._velocity.see(velocity, elapsed, turned, STUCK_TURN, longest)
+        told = measurement.axis is Axis.BODY and measurement.bank is not None
+        rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
+        self._bank.see(measurement.bank, elapsed, told * rolled, STUCK_ROLL)
+        missed = place[2] - self._place[2] - elapsed * velocity[2]
         missed = 0.0 if math.isnan(missed) else missed
         most = STUCK_CLIMB + NOISE_MULTIPLE * self._path.height_noise
-        self._climb.see(velocity[2], elapsed, missed, most)
+        self._climb.see(velocity[2], elapsed, missed, most, longest)
         # Where height and climb are stuck together, the pitch tells.
-        self._level.see(velocity[2], elapsed, elapsed * self._path.climb.missed, STUCK_CLIMB)
-        self._height = height
+        by_pitch = elapsed * self._path.climb.missed
+        self._level.see(velocity[2], elapsed, by_pitch, STUCK_CLIMB, longest)
+        self._place = place
         self._compare_with_course(measurement.heading, velocity[0], velocity[1], elapsed)
         self._path.climb_stuck = self._climb.stuck or self._level.stuck
         self._path.heading_stuck = self._heading.stuck
@@ -271,6 +299,7 @@ class AirData:
                 self._path.contradicted,
                 "the nose turns against the bank: the attitude is taken for the direction flown",
             ),
+            (self._bank.stuck, "the bank is stuck: the attitude is taken for the direction flown"),
             (
                 self.missing and not self.awaited and not wind_known,
                 "no airspeed is measured: the air is taken as still",

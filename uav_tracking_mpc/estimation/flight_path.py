@@ -79,6 +79,7 @@ SLIP_FREQUENCY = 1.0  # rad/s, omega_s: how quickly a slip follows the turn
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
 NOSE_JUMP = 0.2  # rad, from one attitude to the next, beyond the turn: the compass has jumped
 TRIAL = 20.0  # s, over which the turns by bank and by nose are compared
+SLOW_TURN = 0.03  # rad/s, up to which a turn tells little of the airspeed
 ROLLING = 3.0  # s, over which both are averaged before: the nose does not follow a quick roll
 CONTRADICTION = 0.01  # rad^2/s^2, beyond which the bank is left out; a slip makes a quarter of it
 STEEPEST = 1.5  # rad, bank or pitch beyond which no turn is coordinated
@@ -258,6 +259,7 @@ class FlightPath:
         climb_stuck: Whether the measured climb is stuck.
         height_noise: Standard deviation of the height in [m].
         heading_stuck: Whether the heading is: the turn then goes by the bank alone.
+        heading_failed: Whether it is known to be wrong otherwise: likewise.
         climb: By pitch and height, and what that says of the measured one.
     """
 
@@ -271,10 +273,12 @@ class FlightPath:
         self._followed = Followed()  # w [m/s] and a [m/s^2]
         self.climb = Climb()
         self.velocity_failed = self.climb_stuck = self.heading_stuck = False
-        self._contradiction = self._nose = self.height_noise = 0.0  # rad^2/s^2, rad, m
+        self.heading_failed = False
+        self._nose = self.height_noise = 0.0  # rad, m
         self._up, self._nose_climb = math.nan, 0.0  # m/s: the climb, and that of the nose with it
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
+        self._banked = self._along = 0.0  # rad^2/s^2, averages of r_b^2 and r_b r_n
 
     @property
     def climb_failed(self) -> bool:
@@ -284,7 +288,7 @@ class FlightPath:
     @property
     def contradicted(self) -> bool:
         """Whether the nose turns against the bank."""
-        return self._contradiction > CONTRADICTION
+        return self._banked - 2.0 * self._along > CONTRADICTION
 
     @property
     def surplus(self) -> float:
@@ -293,8 +297,13 @@ class FlightPath:
 
     @property
     def airspeed_share(self) -> float:
-        """Airspeed at which the turn fits the bank, as a share of the one that was gone by [-]."""
-        return 1.0 if self.contradicted else 1.0 / (1.0 + self._direction.share)
+        """Airspeed at which the turn fits the bank, as a share of the one that was gone by [-].
+
+        By averages: gusts from the side swing the nose, and k with it, while the aircraft rolls.
+        """
+        share = (self._along - self._banked) / (self._banked + SLOW_TURN**2)
+        share = _within(share, SHARE_LIMIT)
+        return 1.0 if self.contradicted else 1.0 / (1.0 + share)
 
     def of(self, measurement: Measurement, airspeed: float) -> Measurement:
         """The same with climb, heading, path angle and their rates of the air velocity.
@@ -332,16 +341,20 @@ class FlightPath:
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
         turned = math.remainder(nose - self._nose, 2.0 * math.pi)
-        if 0.0 < step <= LONGEST_STEP and not self.heading_stuck:
+        no_heading = self.heading_stuck or self.heading_failed
+        if 0.0 < step <= LONGEST_STEP and not no_heading:
             if abs(turned - step * by_bank) > NOSE_JUMP:
                 direction.heading += turned  # for others to judge; it tells nothing of the turn
             else:
                 share = step / ROLLING
                 self._by_bank += share * (by_bank - self._by_bank)
                 self._by_nose += share * (turned / step - self._by_nose)
-                against = self._by_bank * (self._by_bank - 2.0 * self._by_nose)
-                self._contradiction += step / TRIAL * (against - self._contradiction)
-        direction.see(time, None if self.heading_stuck else nose, by_bank)
+                along = self._by_bank * self._by_nose
+                self._banked += step / TRIAL * (self._by_bank**2 - self._banked)
+                self._along += step / TRIAL * (along - self._along)
+        direction.see(time, None if no_heading else nose, by_bank)
+        if self.heading_failed and not self.heading_stuck:
+            direction.heading = nose  # for others to judge whether it is right again
         self._nose = direction.heading if self.heading_stuck else nose
         if self.contradicted:
             return measurement

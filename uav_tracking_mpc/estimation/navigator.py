@@ -35,6 +35,7 @@ from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
 from uav_tracking_mpc.estimation.response_candidates import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import (
     AIRSPEED,
+    HEADING,
     OFF,
     POSITION,
     SILENT,
@@ -304,6 +305,7 @@ class Navigator:
             states = self.air_estimate.health.states
             self.air.failed = states[AIRSPEED] not in (USED, SILENT)
             self.air.velocity_failed = states[VELOCITY] != USED
+            self.air.heading_failed = states[HEADING] != USED
             if self.air.impossible:
                 states[AIRSPEED] = OFF
             if states[VELOCITY] == USED:

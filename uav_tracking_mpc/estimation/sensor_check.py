@@ -236,9 +236,11 @@ def position_checked(
     fresh = is_fresh(known, position, present)
     repeated = ca.logic_and(present, ca.logic_not(fresh))
     age = ca.if_else(fresh, 0.0, known.age + elapsed)
-    stands = ca.logic_and(present, position[2] == known.last[2])
+    # A height that comes again with its position tells nothing, but one beside a new place does.
+    stands = position[2] == known.last[2]
     goes_on = ca.fabs(known.climbed) <= limit  # and then stays beyond
-    climbed = ca.if_else(stands, known.climbed + goes_on * elapsed * climb, 0.0)
+    climbed = stands * (known.climbed + goes_on * (known.age + elapsed) * climb)
+    climbed = ca.if_else(fresh, climbed, present * known.climbed)
     level = ca.fabs(climbed) > limit
     # Long before, or the filter would take what the height does not show for the velocity's bias.
     old = ca.fabs(climbed) > STANDING * limit
