@@ -56,9 +56,9 @@ def _everything(given):
             f"argument 'aircraft' is '{len(spaces)}', must be 1 with vehicle:=autopilot: all would "
             "have one connection; include aircraft.launch.py for each, with one of its own"
         )
-    actions = _fleet(given, spaces)
-    if given["rviz"] == "true":
-        actions.append(_rviz(given, spaces))
+    # RViz first: where it is not installed, launch fails there, and would leave nodes behind.
+    actions = [_rviz(given, spaces)] if given["rviz"] == "true" else []
+    actions += _fleet(given, spaces)
     if given["record"] == "true":
         actions.append(_recording(given, spaces))
     return actions

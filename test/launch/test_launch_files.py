@@ -183,6 +183,10 @@ def test_rviz_shows_every_aircraft():
     ]
 
 
+def test_nothing_flies_before_rviz_is_found():
+    assert started(TRACKING, rviz="true")[0].node_package == "rviz2"
+
+
 def test_every_argument_says_what_it_is_and_both_files_agree():
     def declared(path):
         with launch_stand_in.stand_in():
@@ -222,7 +226,7 @@ def test_the_packages_of_ros_take_the_same_files():
             for flag, file in pairwise(words):
                 if flag == "--params-file":
                     assert read_yaml(Path(file), "parameter file")
-    *fleet, viewer = names
+    viewer, *fleet = names
     assert fleet == [
         f"/uav{k}/{name}"
         for k in (1, 2)
