@@ -25,6 +25,7 @@ from uav_tracking_mpc.control.watches import (
     LONGEST,
     MARGIN,
     AirspeedMargin,
+    AirspeedWatch,
     LimitCycleWatch,
     OrbitShortfall,
     OscillationReport,
@@ -233,6 +234,30 @@ def margins(*deviations, asked=ASKED):
     for deviation in deviations:
         flown = margin.flown(asked, deviation) or flown
         yield flown, [event.words for event in events.take()]
+
+
+def test_an_airspeed_that_stays_beyond_a_limit_is_told_once_and_its_end_too():
+    asked = load_configuration("small_uav").controller  # 14 to 32 m/s
+    events = EventLog()
+    watch = AirspeedWatch(events)
+    flown = [13.0] * 80 + [15.0] + [13.0] * 200 + [13.8] * 200 + [14.5] * 20 + [33.0] * 200
+    for tick, airspeed in enumerate(flown):
+        watch.see(tick * TICK, airspeed, asked)
+    assert [event.words for event in events.take()] == [
+        "the airspeed is 13.0 m/s, below airspeed_min 14 m/s for 5 s: does the engine run?",
+        "the airspeed is inside its limits again",
+        "the airspeed is 33.0 m/s, above airspeed_max 32 m/s for 5 s",
+    ]
+
+
+def test_an_engine_that_gives_nothing_is_told_in_flight(monkeypatch):
+    overrides = ["uav_simulator.speed_min=5", "uav_simulator.initial_speed=9",
+                 "uav_simulator.command_gain=[1, 1, 0.1]",
+                 "mission.duration=7"]  # fmt: skip
+    words = []
+    monkeypatch.setattr(EventLog, "add", lambda self, level, text: words.append(text))
+    simulate(load_configuration("small_uav", overrides))
+    assert sum("below airspeed_min 14 m/s" in text for text in words) == 1
 
 
 def test_what_is_not_known_of_the_airspeed_is_kept_from_the_least_one():

@@ -24,7 +24,7 @@
 ``commanded_path``   where a plan or a command leads
 ``adaptation``       flies by the response that the aircraft shows
 ``softening``        makes a loop slower that swings, until it stops
-``watches``          tells limit cycles, and another orbit than the one asked for
+``watches``          tells limit cycles, and another orbit or airspeed than asked for
 ``event``            what it reports
 ``record``           what a controller was given, to be flown again
 ``certification``    what may be claimed of the terminal set that is flown

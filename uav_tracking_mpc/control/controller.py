@@ -54,7 +54,7 @@ from uav_tracking_mpc.control.guidance import (
     nearest_direction,
 )
 from uav_tracking_mpc.control.pace import Pace
-from uav_tracking_mpc.control.watches import AirspeedMargin, OrbitShortfall
+from uav_tracking_mpc.control.watches import AirspeedMargin, AirspeedWatch, OrbitShortfall
 from uav_tracking_mpc.dynamics.orbit import orbit_about
 from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.measurement import Measurement
@@ -113,6 +113,7 @@ class Controller:
         self.events = EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
         self._plan, self._shortfall = PlanMemory(), OrbitShortfall(self.events)
+        self._airspeed = AirspeedWatch(self.events)
         self._margin, self._flown = AirspeedMargin(self.events), parameters
         self._shaper = CommandShaper(parameters, self.events)
         self.reset()
@@ -144,7 +145,7 @@ class Controller:
 
     def _forget(self) -> None:
         """Forget plans, commands and solves: of a place or a flight that is no more."""
-        for part in (self.rate, self._shaper, self._plan, self._shortfall):
+        for part in (self.rate, self._shaper, self._plan, self._shortfall, self._airspeed):
             part.reset()
         self.response.interrupt()
         if self.formulation is not None:
@@ -412,6 +413,7 @@ class Controller:
             self._silence("no position for so long that none is known")
             return None
         self.drift = estimate.present.drift
+        self._airspeed.see(stamp, estimate.present.airspeed, self.parameters)
         fresh = seen is not None and stamp - seen <= self.parameters.target_timeout
         return self._fly(stamp, estimate, fresh)
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What goes wrong without failing: limit cycles, another orbit than asked for, no airspeed.
+"""What goes wrong without failing: limit cycles, another orbit or airspeed than asked for.
 
 A command in gusts or after noise swings as well as a loop at its limit of stability, but neither at
 one period nor with one amplitude.
@@ -318,6 +318,49 @@ def kept_away(asked: TrackingParameters, above: float, below: float) -> Tracking
         with contextlib.suppress(ParameterError):
             return changed(asked, {**band, "airspeed": orbit})
     return asked
+
+
+AIRSPEED_SLACK, AIRSPEED_TIME = 0.5, 5.0  # m/s beyond a limit, for s, that are worth a word
+
+
+class AirspeedWatch:
+    """Tells an airspeed that stays beyond its limits, as after an engine that has failed.
+
+    Args:
+        events: Where to tell.
+    """
+
+    def __init__(self, events: EventLog) -> None:
+        self._events = events
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was flown."""
+        self._told, self._begin = False, math.inf
+
+    def see(self, time: float, airspeed: float, asked: TrackingParameters) -> None:
+        """Take in an airspeed.
+
+        Args:
+            time: Now in [s].
+            airspeed: As it is known in [m/s].
+            asked: With its limits.
+        """
+        least, most = asked.airspeed_min, asked.airspeed_max
+        beyond = max(least - airspeed, airspeed - most)
+        if not beyond > (0.0 if self._told else AIRSPEED_SLACK):
+            if self._told:
+                self._events.add(Level.INFO, "the airspeed is inside its limits again")
+            self.reset()
+            return
+        self._begin = min(self._begin, time)
+        if not self._told and time - self._begin >= AIRSPEED_TIME:
+            self._told = True
+            low = f"below airspeed_min {least:g} m/s", ": does the engine run?"
+            high = f"above airspeed_max {most:g} m/s", ""
+            limit, question = low if airspeed < least else high
+            words = f"the airspeed is {airspeed:.1f} m/s, {limit} for {AIRSPEED_TIME:g} s{question}"
+            self._events.add(Level.WARNING, words)
 
 
 class OrbitShortfall:
