@@ -27,7 +27,9 @@ from uav_tracking_mpc.dynamics.vehicle_models import Drift
 from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
 from uav_tracking_mpc.margins.loop_margins import loop_margins
 from uav_tracking_mpc.margins.orbit_loop import SIZE, STEPS, FrozenOrbit, OrbitLoop, sampled_loop
+from uav_tracking_mpc.mpc.compiled_method import Compilation
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.symbolic.functions import LOCK
 
 LAGS = (0.3, 0.13, 0.16)
 WIND = np.array([-5.0, 8.0, 0.0])
@@ -246,3 +248,10 @@ def test_channels_that_follow_at_once():
     assert each.growth() < 1.0
     assert each.plant_step.shape == (SIZE, SIZE)
     assert replace(each, acceleration_share=1.0).growth() == pytest.approx(each.growth())
+
+
+def test_a_change_in_flight_waits_for_no_compiler_of_the_margins(monkeypatch):
+    locked = []
+    monkeypatch.setattr(Compilation, "wait", lambda self: locked.append(LOCK._is_owned()))
+    OrbitLoop(load_configuration("small_uav").controller)
+    assert not locked[0]  # and then the machine code is there

@@ -39,7 +39,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_of
+from uav_tracking_mpc.control.guidance import compile_flight, formulation_of, law_about, law_of
 from uav_tracking_mpc.dynamics.orbit import Orbit, orbit_motion
 from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.estimation.forecast import steady_forecast
@@ -195,6 +195,7 @@ class OrbitLoop:
     """
 
     def __init__(self, parameters: TrackingParameters) -> None:
+        compile_flight(parameters)  # before, for what builds a formulation makes others wait for it
         self._formulation = formulation_of(parameters)
         self.change(parameters)
 
