@@ -520,7 +520,7 @@ def placed(offset, duration, present=True):
     for k in range(1, round(duration / STEP)):
         carried = k * STEP * EXPECTED
         seen = carried + np.array([offset, 0.0, 0.0]) * (k > 1)
-        code, place, _, moved = check(STEP, seen, present, carried, EXPECTED[2], 0.1)
+        code, place, _, moved, _ = check(STEP, seen, present, carried, EXPECTED[2], 0.1)
         rows.append((STATES[int(code[0])], bool(present and (place == seen).all()), bool(moved[0])))
     return rows
 
@@ -533,7 +533,7 @@ def test_a_height_that_stays_while_the_aircraft_climbs_is_stuck_until_it_changes
     for k in range(round(6.0 / STEP)):
         carried += STEP * np.array([20.0, 0.0, climb])
         seen = [*carried[:2], 100.0 if k * STEP < 4.0 else carried[2]]
-        code, place, _, _ = check(STEP, seen, 1.0, carried, climb, 0.0)
+        code, place, *_ = check(STEP, seen, 1.0, carried, climb, 0.0)
         states.append(STATES[int(code[0])])
         waits = not k or k * STEP * abs(climb) <= STANDING * JUMP
         assert waits or place == pytest.approx(carried)
@@ -551,7 +551,7 @@ def test_a_height_that_is_seldom_measured_is_stuck_only_beside_new_places(standi
     for k in range(round(6.0 / STEP)):
         if k % 20 == 0:  # a second
             seen = carried * [1.0, 1.0, not standing]
-        code, _, _, _ = check(STEP, seen, 1.0, carried, 3.0, 0.0)
+        code, *_ = check(STEP, seen, 1.0, carried, 3.0, 0.0)
         found.append(STATES[int(code[0])])
         carried += STEP * np.array([20.0, 0.0, 3.0])
     assert set(found) == states

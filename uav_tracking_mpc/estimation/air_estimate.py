@@ -89,6 +89,7 @@ SEEN = Layout(
 MEMORY = Layout(
     **dict.fromkeys(LANES, LANE),
     meters=wind_filter.METERS.layout,
+    places=wind_filter.PLACES.layout,
     quick=wind_filter.QUICK,
     aided=RATE_AIDED,
     air=AIR_CHECK,
@@ -139,18 +140,19 @@ class AirEstimate:
 
     def _begin_filters(self) -> None:
         """Nothing is known of the wind."""
-        for name in (*LANES, "meters", "quick"):
+        for name in (*LANES, "meters", "places", "quick"):
             MEMORY.part(name, self._memory)[:] = 0.0
         for lane in LANES:
             wind_filter.begin_lane(getattr(self._known, lane))
         wind_filter.METERS.begin(self._known.meters)
+        wind_filter.PLACES.begin(self._known.places)
         self.found.without[:] = self.found.known[:] = 0.0
         self._time: float | None = None
 
     @property
     def position_noise(self) -> float:
         """Standard deviation of positions that was found in [m]."""
-        return math.sqrt(max(float(self._known.meters.held[wind_filter.POSITION]), 0.0))
+        return math.sqrt(max(float(self._known.places.held[0]), 0.0))
 
     def update(
         self,
@@ -256,15 +258,14 @@ def _step() -> ca.Function:
     dt = seen.elapsed
     lanes = [getattr(known, lane) for lane in LANES]
     main, meters, place, sensors = lanes[MAIN], known.meters, known.place, known.air
+    places = known.places
 
     # Ground velocity, compared with what is expected before airspeed and heading are
     state = main.state
     variance = ca.sum1(main.triangle[DIAGONAL[W.start : B.stop].tolist()])
     deviation = ca.sqrt(ca.fmax(variance + ca.mmax(seen.velocity_noise) ** 2, 0.0))
     expected = main.air + state[W] + state[G] + state[B]
-    position_noise = ca.fmax(
-        ca.sqrt(meters.held[wind_filter.POSITION]), ca.mmax(seen.position_noise)
-    )
+    position_noise = ca.fmax(ca.sqrt(places.held), ca.mmax(seen.position_noise))
     fresh = sensor_check.is_fresh(place, seen.position, seen.placed)
     velocity, odd, contrary, changed = sensor_check.velocity_checked(
         known.velocity, dt, seen.position, fresh, seen.ground, expected, deviation, position_noise
@@ -324,21 +325,23 @@ def _step() -> ca.Function:
 
     # Position
     carried = state[P] + dt * (0.5 * (known.ground + used_ground) - state[B])
-    scatter = wind_filter.METERS.scatter(meters, wind_filter.POSITION, seen.position - carried)
+    scatter = wind_filter.PLACES.scatter(places, seen.position - carried)
     scatter *= fresh * (ca.mmax(seen.position_noise) == 0.0)
     deviation = ca.sqrt(ca.fmax(position_noise**2, scatter))
-    placed, code, position, seen_axes, moved = sensor_check.position_checked(
+    placed, code, position, seen_axes, moved, scattered = sensor_check.position_checked(
         place, dt, seen.position, seen.placed, carried, used_ground[2], deviation
     )
     placed.faded += ca.if_else(moved, state[P] - position, 0.0)
     # The first positions have been believed too much where they turn out to be noisy; and noise is
     # metered of those that wait, too, or it would never be found.
-    believed = ca.fmax(meters.held[wind_filter.POSITION], wind_filter.POSITION_NOISE**2)
+    believed = ca.fmax(places.held, wind_filter.POSITION_NOISE**2)
     for lane in lanes:
         for axis in DIAGONAL[P].tolist():
             uncertain = ca.fmax(lane.triangle[axis], scatter)
             lane.triangle[axis] = ca.if_else(scatter > believed, uncertain, lane.triangle[axis])
-    read = ca.if_else(code == CODE[JUMPED], seen.position, position)
+    read = ca.if_else(fresh * (code == CODE[JUMPED]), seen.position, position)
+    anew = noise_meter.PRIOR_TIME + noise_meter.MEASURED_TIME
+    places.weight = ca.if_else(scattered, ca.fmin(places.weight, anew), places.weight)
 
     # A turn that is quicker than its bank: the airspeed reads too much, or the aircraft slips. That
     # is known before the wind is, which then tells which of them, so alpha becomes uncertain.
@@ -373,15 +376,13 @@ def _step() -> ca.Function:
     sample = wind_filter.sampled(ahead[MAIN], read, ground)
     told, told_velocity = seen.position_noise**2, seen.velocity_noise**2
     told_mean = ca.sum1(told) / 3.0
-    by_source = ca.vertcat(0.5 * ca.sum1(told_velocity[:2]), told_velocity[2], told_mean)
-    metered = wind_filter.METERS.metered(meters, dt, sample, by_source)
-    variances = metered.held
+    by_source = ca.vertcat(0.5 * ca.sum1(told_velocity[:2]), told_velocity[2])
+    metered = wind_filter.METERS.metered(meters, dt, sample[:3], by_source)
+    metered_places = wind_filter.PLACES.metered(places, dt, sample[3:], told_mean)
     share = ca.if_else(told_mean > 0.0, told / told_mean, 1.0)
     noise = ca.vertcat(
-        ca.fmax(
-            variances[wind_filter.POSITION] * share, ca.fmax(scatter, wind_filter.POSITION_NOISE**2)
-        ),
-        *[ca.fmax(variances[k], wind_filter.VELOCITY_NOISE**2) for k in (0, 0, 1)],
+        ca.fmax(metered_places.held * share, ca.fmax(scatter, wind_filter.POSITION_NOISE**2)),
+        *[ca.fmax(metered.held[k], wind_filter.VELOCITY_NOISE**2) for k in (0, 0, 1)],
     )
     noise[3:] += odd * ca.if_else(no_airspeed_used, wind_filter.FOLLOWED_DEVIATION, BLIND) ** 2
     # What is carried on tells nothing, nor does a velocity that comes again with its position.
@@ -398,6 +399,7 @@ def _step() -> ca.Function:
     remembered = SimpleNamespace(
         **dict(zip(LANES, after, strict=True)),
         meters=metered,
+        places=metered_places,
         quick=quick,
         aided=aided,
         air=air,

@@ -259,7 +259,7 @@ class FlightPath:
         climb_stuck: Whether the measured climb is stuck.
         height_noise: Standard deviation of the height in [m].
         heading_stuck: Whether the heading is: the turn then goes by the bank alone.
-        heading_failed: Whether it is known to be wrong otherwise: likewise.
+        heading_failed: Whether it is known to be wrong otherwise: likewise, if it turns against it.
         climb: By pitch and height, and what that says of the measured one.
     """
 
@@ -341,19 +341,22 @@ class FlightPath:
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
         turned = math.remainder(nose - self._nose, 2.0 * math.pi)
-        no_heading = self.heading_stuck or self.heading_failed
-        if 0.0 < step <= LONGEST_STEP and not no_heading:
+        if 0.0 < step <= LONGEST_STEP and not self.heading_stuck:
             if abs(turned - step * by_bank) > NOSE_JUMP:
                 direction.heading += turned  # for others to judge; it tells nothing of the turn
             else:
                 share = step / ROLLING
                 self._by_bank += share * (by_bank - self._by_bank)
                 self._by_nose += share * (turned / step - self._by_nose)
+                lately = 0.0 if self.heading_failed else step / TRIAL
                 along = self._by_bank * self._by_nose
-                self._banked += step / TRIAL * (self._by_bank**2 - self._banked)
-                self._along += step / TRIAL * (along - self._along)
-        direction.see(time, None if no_heading else nose, by_bank)
-        if self.heading_failed and not self.heading_stuck:
+                self._banked += lately * (self._by_bank**2 - self._banked)
+                self._along += lately * (along - self._along)
+        # A heading that is wrong tells of the turn all the same, unless it turns the other way.
+        against = self._by_bank * (self._by_bank - 2.0 * self._by_nose) > 0.0
+        no_turn = self.heading_stuck or (self.heading_failed and against)
+        direction.see(time, None if no_turn else nose, by_bank)
+        if no_turn and not self.heading_stuck:
             direction.heading = nose  # for others to judge whether it is right again
         self._nose = direction.heading if self.heading_stuck else nose
         if self.contradicted:

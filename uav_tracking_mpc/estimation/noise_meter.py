@@ -58,7 +58,7 @@ class NoiseMeters:
             the signals' units [SI].
         walks: q likewise, in the square of the unit [SI] per s.
         memory: Time constant of the averages in [s].
-        jumping: Signals that may jump: a difference far beyond the usual ones, and beyond the noise
+        jumping: Whether they may jump: a difference far beyond the usual ones, and beyond the noise
             that is taken at first, counts for little, so that jumps are no noise.
 
     Attributes:
@@ -71,7 +71,7 @@ class NoiseMeters:
         deviations: Sequence[float],
         walks: Sequence[float],
         memory: float = MEMORY,
-        jumping: Sequence[int] = (),
+        jumping: bool = False,
     ) -> None:
         self._sizes, self._prior, self._memory = sizes, (deviations, walks), memory
         self._width, count = sum(sizes), len(sizes)
@@ -141,18 +141,15 @@ class NoiseMeters:
             samples=ca.vertcat(sample, known.samples[: -self._width]),
         )
 
-    def scatter(self, known: SimpleNamespace, which: int, sample: ca.SX) -> ca.SX:
-        """Variance in the square of the unit [SI] that a signal shows at first; 0 later.
+    def scatter(self, known: SimpleNamespace, sample: ca.SX) -> ca.SX:
+        """Variance in the square of the unit [SI] that a single signal shows at first; 0 later.
 
         Args:
             known: By :attr:`layout`.
-            which: The signal.
             sample: Its components in its unit [SI].
         """
         early = (known.count > 0.0) * (known.weight < PRIOR_TIME + MEASURED_TIME)
-        first = sum(self._sizes[:which])
-        latest = known.samples[first : first + self._sizes[which]]
-        return early * ca.sumsqr(sample - latest) / (2.0 * self._sizes[which])
+        return early * ca.sumsqr(sample - known.samples[: self._width]) / (2.0 * self._width)
 
     def walks(self, known: SimpleNamespace) -> ca.SX:
         """Intensities q of the random walks, as an expression.
@@ -163,13 +160,11 @@ class NoiseMeters:
         return _walks(known.short, known.long, known.long_time - known.short_time)
 
     def _mean_squares(self, difference: ca.SX, usual: ca.SX) -> ca.SX:
-        """Of the components of each signal, clipped where it may jump."""
+        """Of the components of each signal, clipped where they may jump."""
         pieces = ca.vertsplit(difference, np.cumsum([0, *self._sizes]).tolist())
-        squares = [ca.sumsqr(piece) / piece.numel() for piece in pieces]
-        for which in self._jumping:
-            least = 2.0 * self._prior[0][which] ** 2
-            squares[which] = ca.fmin(squares[which], CLIPPED * ca.fmax(usual[which], least))
-        return ca.vertcat(*squares)
+        squares = ca.vertcat(*[ca.sumsqr(piece) / piece.numel() for piece in pieces])
+        least = 2.0 * np.square(self._prior[0])
+        return ca.fmin(squares, CLIPPED * ca.fmax(usual, least)) if self._jumping else squares
 
 
 def _walks(short: ca.SX, long: ca.SX, apart: ca.SX) -> ca.SX:

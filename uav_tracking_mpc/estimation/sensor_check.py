@@ -75,7 +75,7 @@ VELOCITY_CHECK = Layout(
 JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0
 STALE = 1.5  # s, for which a position may repeat itself that is only seldom measured
 STANDING = 0.25  # -, share of JUMP, beyond which a climb leaves out a height that stays the same
-POSITION_CHECK = Layout(jumped=1, age=1, faded=3, last=3, climbed=1)
+POSITION_CHECK = Layout(jumped=1, age=1, off=3, faded=3, last=3, climbed=1)
 
 # Airspeed and heading
 # s: time constants of the noise of a residual, of its jumps, and of what lasts
@@ -216,15 +216,17 @@ def position_checked(
     carried: ca.SX,
     climb: ca.SX,
     deviation: ca.SX,
-) -> tuple[SimpleNamespace, ca.SX, ca.SX, ca.SX, ca.SX]:
+) -> tuple[SimpleNamespace, ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
     """What is known after a position, its state by :data:`CODE`, and what of it is used.
 
-    Then on which axes it is the measured one, shape (3,), and whether it jumps.
+    Then on which axes it is the measured one, shape (3,), whether it jumps, and whether positions
+    scatter: one after the other is far off, each elsewhere, so that their noise must have grown.
 
     Args:
         known: By :data:`POSITION_CHECK`: for how long positions have been elsewhere [s], how long
-            ago the last one was measured [s], what of a jump is still to be told [m], the last
-            position [m], how far the aircraft has climbed since the height changed last [m].
+            ago the last one was measured [s], how far it was from where the velocity leads [m],
+            what of a jump is still to be told [m], the last position [m], how far the aircraft has
+            climbed since the height changed last [m].
         elapsed: Since the measurement before in [s].
         position: As measured, shape (3,), in [m].
         present: 1 where one is measured, else 0.
@@ -245,11 +247,13 @@ def position_checked(
     # Long before, or the filter would take what the height does not show for the velocity's bias.
     old = ca.fabs(climbed) > STANDING * limit
     place = ca.vertcat(position[:2], ca.if_else(old, carried[2], position[2]))
-    far = ca.logic_and(present, ca.norm_2(place - carried) > limit)
+    off = place - carried
+    far = ca.logic_and(present, ca.norm_2(off) > limit)
+    scattered = far * fresh * (known.jumped > 0.0) * (ca.norm_2(off - known.off) > limit)
     # Positions that come seldom repeat themselves, or are absent, between two that are measured.
     stale = age > STALE
     lasts = ca.if_else(fresh, far, known.jumped > 0.0)
-    jumped = ca.if_else(lasts, known.jumped + elapsed, known.jumped * old)
+    jumped = ca.if_else(lasts, (1.0 - scattered) * known.jumped + elapsed, known.jumped * old)
     moved = ca.logic_and(far * fresh, jumped >= JUMP_TIME)
     waits = lasts * ca.logic_not(moved) * ca.logic_not(stale)
     stuck = ca.logic_and(ca.logic_not(waits), ca.logic_or(far * repeated * stale, level))
@@ -259,12 +263,13 @@ def position_checked(
     after = SimpleNamespace(
         jumped=ca.if_else(moved, 0.0, jumped),
         age=age,
+        off=ca.if_else(fresh, off, known.off),
         faded=known.faded * ca.exp(-elapsed / FADE_TIME),
         last=ca.if_else(present, position, known.last),
         climbed=climbed,
     )
     seen_axes = used * ca.vertcat(1.0, 1.0, ca.logic_not(old))
-    return after, code, ca.if_else(seen_axes, position, carried), seen_axes, moved
+    return after, code, ca.if_else(seen_axes, position, carried), seen_axes, moved, scattered
 
 
 def air_checked(

@@ -77,14 +77,9 @@ LANE = Layout(air=3, steady=3, turn_rate=1, state=SIZE, triangle=SIZE * (SIZE + 
 _ROWS, _COLUMNS = (index.T[np.tril_indices(SIZE)] for index in np.indices((SIZE, SIZE)))
 DIAGONAL = np.flatnonzero(_ROWS == _COLUMNS)
 _OF_POSITION = np.flatnonzero(P.stop > _ROWS)
-# Of the level wind triangle, the vertical one, and the position.
-POSITION = 2  # of these signals
-METERS = NoiseMeters(
-    (2, 1, 3),
-    (VELOCITY_NOISE, VELOCITY_NOISE, POSITION_NOISE),
-    (GUST_WALK, GUST_WALK, 0.0),
-    jumping=[POSITION],
-)
+# Of the wind triangle, level and vertical, and of the position.
+METERS = NoiseMeters((2, 1), (VELOCITY_NOISE, VELOCITY_NOISE), (GUST_WALK, GUST_WALK))
+PLACES = NoiseMeters((3,), (POSITION_NOISE,), (0.0,), jumping=True)
 
 
 # Which part of a gust lasts

@@ -356,3 +356,18 @@ def test_a_receiver_that_comes_less_often_than_the_attitude_is_flown_by(absent, 
     before = (log.time > 15.0) & (log.time < BEGIN)
     assert np.abs(log.error[before, 0]).max() < 1.0
     assert np.abs(log.vehicle[before, 5] - 22.0).max() < 0.7
+
+
+def test_positions_that_become_noisy_are_left_out_until_their_noise_is_known(monkeypatch):
+    """Each of them is far from where it should be, and none is where the aircraft is."""
+    step, rng, place = Controller.step, np.random.default_rng(1), [np.zeros(3)]
+
+    def noisy(self, seen, *rest):
+        if round(20.0 * seen.stamp) % 4 == 0:
+            place[0] = seen.position + rng.normal(0.0, 0.15 if seen.stamp < BEGIN else 5.0, 3)
+        return step(self, dataclasses.replace(seen, position=place[0]), *rest)
+
+    monkeypatch.setattr(Controller, "step", noisy)
+    log = flown_on_orbit("vehicle", "position_bias=[0.0,0.0,0.0]", end=60.0)
+    assert {each.sensor for each in log.sensors} == {"position"}
+    assert np.abs(log.error[log.time > BEGIN, 0]).max() < 2.5
