@@ -109,12 +109,13 @@ def test_a_vertical_velocity_that_does_not_change_as_the_aircraft_climbs_is_stuc
         assert abs(off - STUCK_CLIMB) < 0.2 or air.stuck == (False, off > STUCK_CLIMB)
 
 
+@pytest.mark.parametrize("resolution", [1e-9, 0.5])  # m/s, of the climb: it comes again then
 @pytest.mark.parametrize(
     ("period", "unplaced", "found"),
     [(1.0, False, math.inf), (1.0, True, math.inf), (9.0, False, STALE)],
 )
 def test_a_receiver_that_is_read_seldom_is_not_stuck_and_one_that_stands_is(
-    period, unplaced, found
+    period, unplaced, found, resolution
 ):
     """It turns and climbs; between two fixes the position stays, or is unknown."""
     air, fixed, first = AirData(0.5), -math.inf, math.inf
@@ -124,6 +125,7 @@ def test_a_receiver_that_is_read_seldom_is_not_stuck_and_one_that_stands_is(
             fixed, turned = time, 0.3 * time
             east, north, up = math.cos(turned), math.sin(turned), 4.0 + 0.1 * math.sin(turned)
             position = np.array([20.0 / 0.3 * north, -20.0 / 0.3 * east, 4.0 * time])
+            up = resolution * round(up / resolution)
             velocity = np.array([20.0 * east, 20.0 * north, up])
         place = position if here or not unplaced else [math.nan] * 3
         air.see_state(Measurement(time, place, velocity, 0.3 * time, 0.2, 0.3, airspeed=20.0))
