@@ -413,7 +413,10 @@ class Controller:
             self._silence("no position for so long that none is known")
             return None
         self.drift = estimate.present.drift
-        self._airspeed.see(stamp, estimate.present.airspeed, self.parameters)
+        if self.navigator.engaged:
+            self._airspeed.see(stamp, estimate.present.airspeed, self.parameters)
+        else:  # on the ground, or in the hands of a pilot, it may be as slow as it likes
+            self._airspeed.reset()
         fresh = seen is not None and stamp - seen <= self.parameters.target_timeout
         return self._fly(stamp, estimate, fresh)
 
