@@ -150,6 +150,20 @@ def test_a_bank_that_stays_while_the_nose_turns_quicker_and_slower_is_stuck(chan
     assert path.turn_rate == rate  # of the nose, or as it is told
 
 
+def test_a_bank_that_is_left_out_shifts_no_turn():
+    """It sticks in a turn, which then ends: that looks like a slip until the turn begins again."""
+    air, nose, surplus = AirData(0.5), 0.0, []
+    for time in np.arange(0.0, 30.0, 0.05):
+        rate = 0.07 if time < 2.0 else 0.0 if time < 25.0 else 0.2
+        nose += 0.05 * rate
+        velocity = 20.0 * np.array([math.cos(nose), math.sin(nose), 0.0])
+        seen = Measurement(time, 10.0 * velocity, velocity, nose, 0.0, rate, 0.0, 20.0, bank=-0.14)
+        air.see_state(seen)
+        surplus.append(air.surplus)
+    assert surplus[480] < -0.04
+    assert surplus[-1] == 0.0
+
+
 @pytest.mark.parametrize(
     ("airspeed", "ground", "impossible"),
     [

@@ -270,8 +270,11 @@ class AirData:
 
     @property
     def surplus(self) -> float:
-        """What the aircraft turns quicker than its bank says, in [rad/s]; negative where slower."""
-        return self._path.surplus
+        """What the aircraft turns quicker than its bank says, in [rad/s]; negative where slower.
+
+        While the bank is left out, what was learnt from it counts for nothing: 0.
+        """
+        return 0.0 if self.nose is None else self._path.surplus
 
     def _plausible(self, measurement: Measurement, airspeed: float) -> float:
         if not self.wind_known or self.velocity_failed:
