@@ -175,6 +175,7 @@ def law_inputs(law: GuidanceLaw, situation: Situation) -> tuple[NDArray[np.float
     return inputs[np.newaxis], ""
 
 
+@one_at_a_time
 def compiled_into(parameters: TrackingParameters) -> Path | None:
     """Folder of the machine code, whether it is made yet or not.
 
