@@ -245,3 +245,15 @@ def test_states_older_than_is_counted_on_are_warned_of_once():
         assert controller.step(state, 0.05 * k + late) is not None
         told += [late for each in words(controller) if "late, of which state_timeout" in each]
     assert told == [0.6, 0.8]
+
+
+@pytest.mark.parametrize("engaged", [True, False])
+def test_only_an_aircraft_that_flies_the_commands_is_too_slow(engaged):
+    """On the ground, before somebody takes over, nothing is said of its engine."""
+    controller = Controller(small_uav.parameters("law=l1"))
+    controller.engage(engaged)
+    for time in np.arange(0.0, 6.0, 0.05):
+        controller.see_target(time, [300.0, 0.0, 0.0])
+        at_rest = Measurement(time, np.zeros(3), np.zeros(3), 0.0, 0.0, airspeed=0.5)
+        controller.step(at_rest, time)
+    assert any("does the engine run" in each for each in words(controller)) == engaged

@@ -156,6 +156,18 @@ def test_a_law_that_cannot_be_made_for_an_orbit_refuses_it_as_a_whole(tmp_path):
     controller.change(range=350.0)
 
 
+def test_where_the_nearest_direction_is_flown_a_law_must_fly_both(tmp_path):
+    """It was asked about one alone, and ended the flight where the other one was nearer."""
+    one_way = TABULATED.replace("orbit.range > 400.0", "orbit.sense > 0.0")
+    (tmp_path / "law.py").write_text(one_way)
+    law = f"law={tmp_path / 'law.py'}:Tabulated"
+    with pytest.raises(ParameterError, match="the law tabulated cannot fly"):
+        Controller(small_uav.parameters(law, "direction=nearest"))
+    controller = Controller(small_uav.parameters(law, "direction=clockwise"))
+    with pytest.raises(ParameterError, match="the law tabulated cannot fly"):
+        controller.change(direction="nearest")
+
+
 def test_a_law_that_refuses_the_orbit_off_an_airspeed_limit_goes_on_with_its_own(
     tmp_path, monkeypatch
 ):

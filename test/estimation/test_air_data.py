@@ -109,12 +109,13 @@ def test_a_vertical_velocity_that_does_not_change_as_the_aircraft_climbs_is_stuc
         assert abs(off - STUCK_CLIMB) < 0.2 or air.stuck == (False, off > STUCK_CLIMB)
 
 
+@pytest.mark.parametrize("resolution", [1e-9, 0.5])  # m/s, of the climb: it comes again then
 @pytest.mark.parametrize(
     ("period", "unplaced", "found"),
     [(1.0, False, math.inf), (1.0, True, math.inf), (9.0, False, STALE)],
 )
 def test_a_receiver_that_is_read_seldom_is_not_stuck_and_one_that_stands_is(
-    period, unplaced, found
+    period, unplaced, found, resolution
 ):
     """It turns and climbs; between two fixes the position stays, or is unknown."""
     air, fixed, first = AirData(0.5), -math.inf, math.inf
@@ -124,6 +125,7 @@ def test_a_receiver_that_is_read_seldom_is_not_stuck_and_one_that_stands_is(
             fixed, turned = time, 0.3 * time
             east, north, up = math.cos(turned), math.sin(turned), 4.0 + 0.1 * math.sin(turned)
             position = np.array([20.0 / 0.3 * north, -20.0 / 0.3 * east, 4.0 * time])
+            up = resolution * round(up / resolution)
             velocity = np.array([20.0 * east, 20.0 * north, up])
         place = position if here or not unplaced else [math.nan] * 3
         air.see_state(Measurement(time, place, velocity, 0.3 * time, 0.2, 0.3, airspeed=20.0))
@@ -146,6 +148,20 @@ def test_a_bank_that_stays_while_the_nose_turns_quicker_and_slower_is_stuck(chan
     words = [said for holds, said in air.concerns() if holds]
     assert ("the bank is stuck: the attitude is taken for the direction flown" in words) == stuck
     assert path.turn_rate == rate  # of the nose, or as it is told
+
+
+def test_a_bank_that_is_left_out_shifts_no_turn():
+    """It sticks in a turn, which then ends: that looks like a slip until the turn begins again."""
+    air, nose, surplus = AirData(0.5), 0.0, []
+    for time in np.arange(0.0, 30.0, 0.05):
+        rate = 0.07 if time < 2.0 else 0.0 if time < 25.0 else 0.2
+        nose += 0.05 * rate
+        velocity = 20.0 * np.array([math.cos(nose), math.sin(nose), 0.0])
+        seen = Measurement(time, 10.0 * velocity, velocity, nose, 0.0, rate, 0.0, 20.0, bank=-0.14)
+        air.see_state(seen)
+        surplus.append(air.surplus)
+    assert surplus[480] < -0.04
+    assert surplus[-1] == 0.0
 
 
 @pytest.mark.parametrize(

@@ -543,15 +543,19 @@ def test_a_height_that_stays_while_the_aircraft_climbs_is_stuck_until_it_changes
     assert set(states[:stuck] + states[round(4.0 / STEP) + 1 :]) == {"used"}
 
 
+@pytest.mark.parametrize("between", [1.0, 0.0])  # it is repeated there, or left out
 @pytest.mark.parametrize(("standing", "states"), [(False, {"used"}), (True, {"used", "stuck"})])
-def test_a_height_that_is_seldom_measured_is_stuck_only_beside_new_places(standing, states):
+def test_a_height_that_is_seldom_measured_is_stuck_only_beside_new_places(
+    standing, states, between
+):
     zeros = np.zeros(POSITION_CHECK.size)
     check = Evaluated(position_checked, POSITION_CHECK, zeros, [1, 3, 1, 3, 1, 1])
     carried, found = np.zeros(3), []
     for k in range(round(6.0 / STEP)):
-        if k % 20 == 0:  # a second
+        present = 1.0 if k % 20 == 0 else between  # every second
+        if k % 20 == 0:
             seen = carried * [1.0, 1.0, not standing]
-        code, *_ = check(STEP, seen, 1.0, carried, 3.0, 0.0)
+        code, *_ = check(STEP, seen, present, carried, 3.0, 0.0)
         found.append(STATES[int(code[0])])
         carried += STEP * np.array([20.0, 0.0, 3.0])
     assert set(found) == states

@@ -66,9 +66,10 @@ def test_the_bank_limits_the_turn_and_the_force_is_linear_between_its_ends():
     np.testing.assert_allclose(forces, [(-1.2, 5.0), (-2.6, 3.0), (-4.0, 1.0)])
 
 
+@pytest.mark.parametrize("rates", [[0.15], [0.15, 0.5], [0.5, 0.15]])  # of any limits together
 @pytest.mark.parametrize("path_angle", [-1.0, -0.4, 0.0, 0.5, 1.0])
-def test_however_steep_the_path_no_plan_changes_it_quicker_than_the_aircraft_can(path_angle):
-    limits = [PathAngle(-0.2, 0.2), PitchRate(0.15), YawRate(), Acceleration()]
+def test_however_steep_the_path_no_plan_changes_it_quicker_than_the_aircraft_can(path_angle, rates):
+    limits = [PathAngle(-0.2, 0.2), *map(PitchRate, rates), YawRate(), Acceleration()]
     told = [limit.numbers(np.zeros((1, 3)))[0] for limit in limits]
     motion = Motion(300.0, 0.0, 100.0, path_angle, 22.0)
     middle, half = input_span(limits, told, motion, np)

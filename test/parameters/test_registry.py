@@ -91,6 +91,13 @@ def test_two_files_of_one_name_are_two(tmp_path):
     assert pickle.loads(pickle.dumps(one())) == one()  # refused where the other took its place
 
 
+def test_a_folder_may_be_named_in_any_encoding(tmp_path):
+    folder = tmp_path / os.fsdecode(b"gr\xf6\xdfe")  # as Latin-1 wrote it
+    folder.mkdir()
+    (folder / "mine.py").write_text(CEILING)
+    assert LIMIT.find(f"{folder}/mine.py:Ceiling").name == "ceiling"
+
+
 def test_an_entry_point_is_found(monkeypatch):
     point = metadata.EntryPoint("mine", "uav_tracking_mpc.laws.l1:L1Loiter", GUIDANCE_LAW.room)
     monkeypatch.setattr(registry, "entry_points", lambda group: (point,))

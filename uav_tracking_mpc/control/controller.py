@@ -47,6 +47,7 @@ from uav_tracking_mpc.control.fallback import (
     choose,
 )
 from uav_tracking_mpc.control.guidance import (
+    ask_law,
     formulation_of,
     law_about,
     law_inputs,
@@ -107,6 +108,8 @@ class Controller:
             raise ParameterError(f"parameters are a {kind}, {words}")
         self.parameters, self._stopwatch = parameters, stopwatch
         self._law_class = law_of(parameters)
+        if self._law_class is not None:
+            ask_law(self._law_class, parameters)
         self.formulation = formulation or formulation_of(parameters)
         self.navigator, self.modes = Navigator(parameters), ModeSelector()
         self.rate, self._gate = Pace(parameters.control_rate), StateGate(parameters.state_timeout)
@@ -174,7 +177,7 @@ class Controller:
         if self.formulation is not None:
             self.formulation.check(parameters)
         if self._law_class is not None:
-            law_about(self._law_class, parameters.orbit, parameters)
+            ask_law(self._law_class, parameters)
         refusal, flown = (
             asked.envelope.refusal(asked.orbit, self.drift, self.navigator.target.height)
             for asked in (parameters, self.parameters)
@@ -413,7 +416,10 @@ class Controller:
             self._silence("no position for so long that none is known")
             return None
         self.drift = estimate.present.drift
-        self._airspeed.see(stamp, estimate.present.airspeed, self.parameters)
+        if self.navigator.engaged:
+            self._airspeed.see(stamp, estimate.present.airspeed, self.parameters)
+        else:  # on the ground, or in the hands of a pilot, it may be as slow as it likes
+            self._airspeed.reset()
         fresh = seen is not None and stamp - seen <= self.parameters.target_timeout
         return self._fly(stamp, estimate, fresh)
 

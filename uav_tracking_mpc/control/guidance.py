@@ -16,13 +16,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import (
@@ -35,7 +36,12 @@ from uav_tracking_mpc.laws import GUIDANCE_LAW, GuidanceLaw
 from uav_tracking_mpc.mpc.compiled_method import Compilation, method_folder
 from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE, TrackingParameters
+from uav_tracking_mpc.settings.tracking import (
+    ARTIFICIAL_ORBIT,
+    NEAREST,
+    PREDICTIVE,
+    TrackingParameters,
+)
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
 # rad. The other direction is the nearer one beyond 90 deg from the tangent. The direction changes
@@ -156,6 +162,21 @@ def law_about(law: type[GuidanceLaw], orbit: Orbit, parameters: TrackingParamete
     return found if model.commanded == 3 else BankAlone(found, model)
 
 
+def ask_law(law: type[GuidanceLaw], parameters: TrackingParameters) -> None:
+    """Make sure that a law can be made for the orbit, in either direction if the nearest is flown.
+
+    Args:
+        law: Its class.
+        parameters: What is asked for.
+
+    Raises:
+        ParameterError: It cannot.
+    """
+    orbit = parameters.orbit
+    for direction in DIRECTIONS if parameters.direction == NEAREST else (orbit.direction,):
+        law_about(law, dataclasses.replace(orbit, direction=direction), parameters)
+
+
 def law_inputs(law: GuidanceLaw, situation: Situation) -> tuple[NDArray[np.float64] | None, str]:
     """Inputs of a law that may fail.
 
@@ -175,6 +196,7 @@ def law_inputs(law: GuidanceLaw, situation: Situation) -> tuple[NDArray[np.float
     return inputs[np.newaxis], ""
 
 
+@one_at_a_time
 def compiled_into(parameters: TrackingParameters) -> Path | None:
     """Folder of the machine code, whether it is made yet or not.
 

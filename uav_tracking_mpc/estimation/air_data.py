@@ -53,12 +53,11 @@ class Repetition:
 
     Attributes:
         stuck: Whether it does.
-        time: For how long it has stayed the same in [s].
     """
 
     def __init__(self) -> None:
         self._reading: object = None
-        self.time = self._change = 0.0
+        self._time = self._change = 0.0
         self.stuck = False
 
     def see(
@@ -80,9 +79,9 @@ class Repetition:
         """
         same = reading == self._reading
         self._reading = reading
-        self.time = same * (self.time + elapsed)
+        self._time = same * (self._time + elapsed)
         self._change = same * (self._change + change)
-        changed = self.time > longest and abs(self._change) > most
+        changed = self._time > longest and abs(self._change) > most
         self.stuck = same and (self.stuck or changed)
 
 
@@ -236,11 +235,12 @@ class AirData:
         velocity, place = measurement.ground_velocity.tolist(), tuple(measurement.position.tolist())
         turned = elapsed * measurement.turn_rate
         self._heading.see(measurement.heading, elapsed, turned, STUCK_TURN)
-        # A velocity that comes again with its position is of a receiver that is read seldom.
+        # Only a new position tells a velocity that is stuck from a receiver that is read seldom.
         repeats = place == self._place or not measurement.placed
         self._stays = repeats * (self._stays + elapsed)
-        seldom = self._stays >= self._velocity.time + elapsed
-        longest = STALE if seldom else STUCK_TIME
+        longest = STUCK_TIME
+        if repeats:
+            longest = STALE if self._stays > STALE else math.inf
         self._velocity.see(velocity, elapsed, turned, STUCK_TURN, longest)
         told = measurement.axis is Axis.BODY and measurement.bank is not None
         rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
@@ -270,8 +270,11 @@ class AirData:
 
     @property
     def surplus(self) -> float:
-        """What the aircraft turns quicker than its bank says, in [rad/s]; negative where slower."""
-        return self._path.surplus
+        """What the aircraft turns quicker than its bank says, in [rad/s]; negative where slower.
+
+        While the bank is left out, what was learnt from it counts for nothing: 0.
+        """
+        return 0.0 if self.nose is None else self._path.surplus
 
     def _plausible(self, measurement: Measurement, airspeed: float) -> float:
         if not self.wind_known or self.velocity_failed:

@@ -292,8 +292,8 @@ class FlightPath:
 
     @property
     def surplus(self) -> float:
-        """See :attr:`FlightDirection.surplus`; 0 while the bank is left out."""
-        return 0.0 if self.contradicted else self._direction.surplus
+        """See :attr:`FlightDirection.surplus`."""
+        return self._direction.surplus
 
     @property
     def airspeed_share(self) -> float:

@@ -85,7 +85,8 @@ class Navigator:
         parameters: Lag, dead time, horizon and filter settings.
 
     Attributes:
-        claimed: Whether the aircraft flies the commands because somebody engaged it.
+        engaged: Whether the aircraft flies what is commanded; so at the start.
+        claimed: Whether it does because somebody engaged it.
         air: The airspeed that came by itself.
         target: The filter of the target's positions.
         air_estimate: Of aircraft and air, with the health of the sensors.
@@ -101,7 +102,7 @@ class Navigator:
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
-        self._engaged, self.claimed = True, False
+        self.engaged, self.claimed = True, False
         self._times = np.zeros(0)
         self._model = parameters.vehicle
         self._step = BufferedFunction(step_function(self._model))
@@ -233,8 +234,8 @@ class Navigator:
             engaged: Whether it does; so at the start.
         """
         self.claimed = engaged
-        if engaged != self._engaged:
-            self._engaged = engaged
+        if engaged != self.engaged:
+            self.engaged = engaged
             self._history.reset()
 
     def begin(self, delay: float) -> None:
@@ -254,7 +255,7 @@ class Navigator:
             plan: (u_psi, u_chi, u_v) of each segment, shape (n, 3).
             step: Length of a segment in [s].
         """
-        if self._engaged:
+        if self.engaged:
             self._history.add(stamp + delay, stamp, plan, step)
         self.latency += LATENCY_SHARE * (min(delay, self._latest) - self.latency)
 

@@ -242,7 +242,7 @@ def position_checked(
     stands = position[2] == known.last[2]
     goes_on = ca.fabs(known.climbed) <= limit  # and then stays beyond
     climbed = stands * (known.climbed + goes_on * (known.age + elapsed) * climb)
-    climbed = ca.if_else(fresh, climbed, present * known.climbed)
+    climbed = ca.if_else(fresh, climbed, known.climbed)
     level = ca.fabs(climbed) > limit
     # Long before, or the filter would take what the height does not show for the velocity's bias.
     old = ca.fabs(climbed) > STANDING * limit
@@ -256,8 +256,8 @@ def position_checked(
     jumped = ca.if_else(lasts, (1.0 - scattered) * known.jumped + elapsed, known.jumped * old)
     moved = ca.logic_and(far * fresh, jumped >= JUMP_TIME)
     waits = lasts * ca.logic_not(moved) * ca.logic_not(stale)
-    stuck = ca.logic_and(ca.logic_not(waits), ca.logic_or(far * repeated * stale, level))
     silent = ca.logic_not(present) * stale
+    stuck = ca.logic_or(far * repeated * stale, level) * ca.logic_not(ca.logic_or(waits, silent))
     code = CODE[JUMPED] * waits + CODE[STUCK] * stuck + CODE[SILENT] * silent
     used = fresh * ca.logic_not(waits)
     after = SimpleNamespace(

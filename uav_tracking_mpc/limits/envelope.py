@@ -79,7 +79,8 @@ def input_span(
             half.append(upper)
             continue
         negative = [span[1] if span[0] is None else -span[0] for span in spans]
-        lower = xp.fmin(-_merged(negative, blend, xp), spans[0][1] - LEAST_SPAN * blend)
+        own = _merged([span[1] for span in spans if span[0] is None] or [spans[0][1]], blend, xp)
+        lower = xp.fmin(-_merged(negative, blend, xp), own - LEAST_SPAN * blend)
         upper = xp.fmax(upper, lower + LEAST_SPAN * blend)
         middle.append(0.5 * (lower + upper))
         half.append(0.5 * (upper - lower))

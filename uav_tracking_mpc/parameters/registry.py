@@ -208,7 +208,7 @@ def _module_of_file(path: Path) -> ModuleType:
         raise ExtensionError(f"there is no file {path}")
     # Under one name in every process, so that what is defined there can be pickled; and one for
     # each path, for two folders may each hold a `mine.py`.
-    name = f"extension_{path.stem}_{zlib.crc32(str(path).encode()):08x}"
+    name = f"extension_{path.stem}_{zlib.crc32(bytes(path)):08x}"
     if present := sys.modules.get(name):
         return present
     specification = importlib.util.spec_from_file_location(name, path)
