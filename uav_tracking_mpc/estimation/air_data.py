@@ -105,7 +105,8 @@ class AirData:
         by_turn: Airspeed by bank and turn rate in [m/s]; inf where it is not known.
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
-        heading_failed: Whether the heading is: the turn then goes by the bank alone.
+        heading_failed: Whether the heading is: the path then goes by the bank alone where it turns
+            the other way.
         position_noise: Standard deviation of positions that was found in [m].
         stuck: Whether the heading is stuck, and whether the ground velocity is.
         climb_state: State of a vertical velocity that pitch and height replace.

@@ -340,8 +340,9 @@ def _step() -> ca.Function:
             uncertain = ca.fmax(lane.triangle[axis], scatter)
             lane.triangle[axis] = ca.if_else(scatter > believed, uncertain, lane.triangle[axis])
     read = ca.if_else(fresh * (code == CODE[JUMPED]), seen.position, position)
-    anew = noise_meter.PRIOR_TIME + noise_meter.MEASURED_TIME
-    places.weight = ca.if_else(scattered, ca.fmin(places.weight, anew), places.weight)
+    # Once positions scatter, what was metered before counts as little as some seconds of samples.
+    lightest = ca.fmin(places.weight, noise_meter.EARLY)
+    places.weight = ca.if_else(scattered, lightest, places.weight)
 
     # A turn that is quicker than its bank: the airspeed reads too much, or the aircraft slips. That
     # is known before the wind is, which then tells which of them, so alpha becomes uncertain.

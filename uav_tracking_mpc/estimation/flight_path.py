@@ -259,7 +259,7 @@ class FlightPath:
         climb_stuck: Whether the measured climb is stuck.
         height_noise: Standard deviation of the height in [m].
         heading_stuck: Whether the heading is: the turn then goes by the bank alone.
-        heading_failed: Whether it is known to be wrong otherwise: likewise, if it turns against it.
+        heading_failed: Whether it is wrong otherwise: likewise, while it turns the other way.
         climb: By pitch and height, and what that says of the measured one.
     """
 

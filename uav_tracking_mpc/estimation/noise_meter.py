@@ -40,6 +40,7 @@ SAMPLES = 16  # -, of the longer difference
 MEMORY = 40.0  # s, of the noise of an aircraft's sensors and of gusts
 PRIOR_TIME = 1.0  # s of samples that what is taken at first counts for
 MEASURED_TIME = 2.0  # s of samples after which the noise that is measured counts, not that told
+EARLY = PRIOR_TIME + MEASURED_TIME  # s, weight of the averages from which on it counts
 CLIPPED = 25.0  # -, mean squares that the square of a difference counts at most
 LONGEST_GAP = 1.0  # s between samples beyond which a signal begins anew
 
@@ -112,7 +113,7 @@ class NoiseMeters:
         latest, oldest = known.samples[: self._width], known.samples[-self._width :]
         told = ca.if_else(told > 0.0, told, known.before)
         average = ca.if_else(known.average > 0.0, known.average, told)
-        early = known.weight < PRIOR_TIME + MEASURED_TIME
+        early = known.weight < EARLY
         held = ca.if_else(ca.logic_and(told > 0.0, early), told, known.held)
         weight = ca.fmin(known.weight + counted * short_step, self._memory)
         share = counted * short_step / weight
@@ -125,7 +126,7 @@ class NoiseMeters:
         average += share * (told - average)
         walk = _walks(short, long, long_time - short_time)
         measured = 0.5 * ca.fmax(short - walk * short_time, 0.0)
-        late = ca.if_else(weight >= PRIOR_TIME + MEASURED_TIME, measured * told / average, held)
+        late = ca.if_else(weight >= EARLY, measured * told / average, held)
         variance = ca.if_else(counted, ca.if_else(told > 0.0, late, measured), held)
         return SimpleNamespace(
             count=ca.fmin(count + 1.0, SAMPLES),
@@ -148,7 +149,7 @@ class NoiseMeters:
             known: By :attr:`layout`.
             sample: Its components in its unit [SI].
         """
-        early = (known.count > 0.0) * (known.weight < PRIOR_TIME + MEASURED_TIME)
+        early = (known.count > 0.0) * (known.weight < EARLY)
         return early * ca.sumsqr(sample - known.samples[: self._width]) / (2.0 * self._width)
 
     def walks(self, known: SimpleNamespace) -> ca.SX:
