@@ -64,11 +64,15 @@ class Panel:
 
     def by_hand(self, label, value):
         """Do what a browser does whose user sets a widget, or presses a button (True)."""
+        self.send(label, value)
+        self.gui._thread_executor.submit(lambda: None).result(PATIENCE)  # behind the callbacks
+
+    def send(self, label, value):
+        """Do that, but do not wait for the callbacks."""
         message = GuiUpdateMessage(self.widget(label)._impl.uuid, {"value": value})
         asyncio.run_coroutine_threadsafe(
             self.gui._handle_gui_updates(0, message), self.gui._event_loop
         ).result(PATIENCE)
-        self.gui._thread_executor.submit(lambda: None).result(PATIENCE)  # behind the callbacks
 
     def until(self, condition):
         """Show it until something is so."""

@@ -216,9 +216,9 @@ def test_one_line_says_how_it_is(seen, words):
 @pytest.mark.parametrize(
     ("more", "words", "used"),
     [
-        ({"bank": math.radians(-40.0)}, "bank, 5.0 ° left", 40.0 / 45.0),
-        ({"airspeed": 14.0}, "airspeed, 0.0 m/s left", 1.0),
-        ({"position": np.array([275.0, 0.0, 31.0])}, "altitude, 1.0 m left", 30.0 / 31.0),
+        ({"bank": math.radians(-40.0)}, "bank, 5.0 ° away", 40.0 / 45.0),
+        ({"airspeed": 14.0}, "airspeed, 0.0 m/s away", 1.0),
+        ({"position": np.array([275.0, 0.0, 31.0])}, "altitude, 1.0 m away", 30.0 / 31.0),
     ],
 )
 def test_the_nearest_limit_is_that_of_which_most_is_used(more, words, used):
@@ -232,17 +232,17 @@ def test_what_is_beyond_a_limit_that_has_no_other_side_is_told():
     low = sight(
         position=np.array([300.0, 0.0, 40.0]), target=TargetSight(np.array([0.0, 0.0, 100.0]))
     )
-    assert nearest_limit(low, floor) == ("altitude, -10.0 m left", 1.0)
+    assert nearest_limit(low, floor) == ("altitude, 10.0 m beyond", 1.0)
     above = load_configuration("small_uav", ["nmpc_controller.airspeed_min=0"]).controller
     margin = nearest_limit(sight(airspeed=33.0), above)
-    assert margin.words == "airspeed, -1.0 m/s left"
+    assert margin.words == "airspeed, 1.0 m/s beyond"
     assert margin.used > 1.0
 
 
 def test_a_fence_is_a_limit():
     fenced = load_configuration("small_uav", ["nmpc_controller.fence_radius=400.0"]).controller
-    margin = nearest_limit(sight(position=np.array([390.0, 0.0, 121.0])), fenced)
-    assert margin.words == "fence, 10 m left"
+    for east, words in ((390.0, "fence, 10 m away"), (420.0, "fence, 20 m beyond")):
+        assert nearest_limit(sight(position=np.array([east, 0.0, 121.0])), fenced).words == words
     assert nearest_limit(sight(), None) is None
 
 
@@ -259,7 +259,7 @@ def test_a_sensor_that_is_left_out_is_the_worst():
 
 def test_else_it_is_told_how_surely_the_target_is_known():
     margin = worst_sensor(sensors(airspeed="used", heading="used"), TRACKING)
-    assert margin.words == "target, known to 6.0 m"
+    assert margin.words == "target, known to ±6.0 m"
     assert margin.used == pytest.approx(6.0 / 30.0)
     assert worst_sensor(sight(target=None), TRACKING).words == "target: not seen yet"
     assert worst_sensor(sight(), TRACKING) is None

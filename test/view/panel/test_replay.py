@@ -14,13 +14,15 @@
 
 """The slider follows the clock of a record, and leaves the hand that moves it alone."""
 
+import threading
 from types import SimpleNamespace
 
 import pytest
 from watched_flight_stand_in import StandInFlight, StandInSource
 
 from uav_tracking_mpc.view.panel import replay
-from uav_tracking_mpc.view.panel.replay import Replay, clock_words
+from uav_tracking_mpc.view.panel._html import clock as clock_words
+from uav_tracking_mpc.view.panel.replay import Replay
 from uav_tracking_mpc.view.watched_flight import PlayClock
 
 SLIDER = "time [s]"
@@ -72,6 +74,18 @@ def test_who_moves_the_slider_moves_the_clock(shown, clock, wall):
     shown.until(lambda: clock.time == 300.0)
     wall.time = 5.0
     assert clock.time == 305.0
+
+
+def test_a_hand_is_heard_though_the_panel_is_drawn_before_its_callback(shown, clock):
+    clock.pause()
+    go_on = threading.Event()
+    shown.gui._thread_executor.submit(go_on.wait)
+    shown.send(SLIDER, 300.0)
+    shown.send("speed", "5x")
+    shown.show()
+    go_on.set()
+    shown.by_hand("jump", "of nobody")
+    assert (clock.time, clock.rate) == (300.0, 5.0)
 
 
 def test_what_no_page_sends_moves_nothing(shown, clock, wall, capfd):
@@ -132,7 +146,7 @@ def test_jumps_stay_within_the_record(shown, clock):
 
 @pytest.mark.parametrize(
     ("seconds", "words"),
-    [(0.0, "0:00.0"), (-3.25, "-0:03.2"), (59.96, "1:00.0"), (7384.5, "2:03:04.5")],
+    [(0.0, "0:00.0"), (-3.25, "-0:03.2"), (59.96, "1:00.0"), (7384.5, "2:03:04.5"), (86400e4 + 60.0, "00:01:00 UTC")],
 )
 def test_time_in_words(seconds, words):
     assert clock_words(seconds) == words

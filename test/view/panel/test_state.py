@@ -34,7 +34,7 @@ LOST = {"mode": FallbackMode.LOITER, "reason": "target position is lost"}
         ),
         (
             [sight(), sight(11.0), sight(12.0, **LOST), sight(20.0), sight(25.0)],
-            ["for 5 s", "before: loiter law, 8 s", "12.0 s, 8 s", "target position is lost"],
+            ["for 5 s", "before: loiter law, 8 s", "0:12.0, 8 s", "target position is lost"],
         ),
         (
             [sight(1.0), sight(2.0, mode=FallbackMode.LOITER), sight(2.2, **LOST), sight(5.0)],
@@ -58,7 +58,7 @@ def test_the_last_fallback_stands_on_top(panel, flight):
     flight.seen = [sight(1.0), sight(2.0, **LOST), sight(4.0)]
     flight.seen += [sight(10.0, mode=FallbackMode.HOLD, reason="no target position"), sight(11.0)]
     text = panel(State).show()
-    assert text.index("10.0 s, 1 s") < text.index("2.0 s, 2 s")
+    assert text.index("0:10.0, 1 s") < text.index("0:02.0, 2 s")
 
 
 def test_a_fallback_that_comes_again_and_again_is_told_once(panel, flight):
@@ -69,7 +69,7 @@ def test_a_fallback_that_comes_again_and_again_is_told_once(panel, flight):
     flight.seen.append(sight(4.0))
     text = panel(State).show()
     assert text.count("slow") == 1
-    assert "0.2 s, 4 s, 10 times" in text
+    assert "0:00.2, 4 s, 10 times" in text
 
 
 def test_events_do_not_grow_without_bound(panel, flight):

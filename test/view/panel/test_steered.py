@@ -27,6 +27,7 @@ from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteerin
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.motions import TARGET_MOTION
+from uav_tracking_mpc.view.panel import _steering_part
 from uav_tracking_mpc.view.panel._steering_part import Requests, requests_of
 from uav_tracking_mpc.view.panel.steered import (
     PATIENCE,
@@ -262,6 +263,22 @@ def test_a_refusal_stands_where_the_value_was_set(orbit, flight):
     assert orbit.widget(RANGE).order < line.order < orbit.widget("altitude [m]").order
 
 
+def test_a_slider_that_a_hand_moves_waits_though_another_value_is_refused(
+    orbit, flight, monkeypatch
+):
+    flight.steering.refusal = "range is 100 m"
+    flight.steering.go_on.clear()
+    orbit.by_hand(RANGE, 100.0)
+    orbit.until(lambda: flight.steering.asked)
+    monkeypatch.setattr(_steering_part, "REST", 1e9)
+    orbit.by_hand("altitude [m]", 200.0)
+    orbit.show()
+    flight.steering.go_on.set()
+    orbit.until(lambda: "refused" in orbit.text)
+    orbit.show()
+    assert [each.widget.label for each in orbit.part._steered if each.wanted] == ["altitude [m]"]
+
+
 def test_while_it_is_asked_the_page_says_so_and_goes_on(orbit, flight):
     flight.steering.go_on.clear()
     orbit.by_hand("direction", "clockwise")
@@ -314,6 +331,14 @@ def test_without_wind_its_direction_waits_for_some(wind, flight):
     wind.part._touched = float("-inf")  # nobody has touched it for long
     wind.show()
     assert wind.widget("from [deg]").value == 270.0
+
+
+def test_a_slider_at_its_northern_end_stays_there(wind, flight):
+    wind.by_hand("from [deg]", 360.0)
+    wind.until(lambda: flight.steering.asked and "asking" not in wind.text)
+    wind.part._touched = float("-inf")
+    wind.show()
+    assert wind.widget("from [deg]").value == 360.0
 
 
 @pytest.mark.parametrize("number", [float("nan"), float("inf"), float("-inf")])
@@ -456,6 +481,13 @@ def test_they_are_asked_for_by_a_box(panel, flight):
         shown.by_hand(BOX, on)
         shown.until(lambda: "asking" not in shown.text)
     assert flight.steering.asked == [("compare", True), ("compare", False)]
+
+
+def test_the_box_tells_what_is_flown_though_it_was_refused(panel, flight):
+    shown, flight.steering.refusal = panel(Compare), "the simulation has ended"
+    shown.by_hand(BOX, True)
+    shown.until(lambda: "has ended" in shown.text and not shown.widget(BOX).value)
+    assert flight.steering.asked == [("compare", True)]
 
 
 def test_errors_of_now_and_of_the_last_minute(panel, flight):

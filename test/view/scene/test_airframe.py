@@ -14,6 +14,7 @@
 
 """The aircraft stands where it is, and banks and pitches as flown."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -83,6 +84,9 @@ def test_they_stand_where_they_fly_with_their_errors(draw, node):
     assert texts == ["l1: +3.1 m", "npfg: -2.0 m"]
     low, high = (node(f"rivals/{law}/label").position[2] for law in ("l1", "npfg"))
     assert high > low  # one's words over the other's
-    element.show(sight())
-    assert not node("rivals/l1/body").visible
-    assert not node("rivals/l1/label").visible
+    lost = dataclasses.replace(rivals[0], position=np.full(3, math.nan))
+    for gone in ((), (lost,)):
+        element.show(sight(rivals=rivals))
+        element.show(sight(rivals=gone))
+        assert not node("rivals/l1/body").visible
+        assert not node("rivals/l1/label").visible

@@ -169,6 +169,19 @@ def test_after_a_jump_of_time_the_past_is_asked_for(flown, node):
     np.testing.assert_allclose(node("track/line").points[:, 1, 0].max(), 20.0 * 4.8, rtol=1e-5)
 
 
+def test_no_line_leads_to_where_a_reset_puts_the_aircraft(flown, node):
+    element, flight = flown
+    there = [
+        dataclasses.replace(each, position=each.position + [900.0, 0.0, 0.0])
+        for each in along_east(np.arange(10.0, 13.0, 0.05))
+    ]
+    for seen in there:
+        fly(element, flight, [seen])
+        for part in ("line", "head"):
+            segments = node(f"track/{part}").points
+            assert np.abs(segments[:, 1] - segments[:, 0]).max() < 20.0
+
+
 def test_an_aircraft_that_stands_has_none(draw, node):
     flight = StandInFlight()
     element = draw(Track, flight)

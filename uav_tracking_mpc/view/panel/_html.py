@@ -19,6 +19,7 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterable, Sequence
+from datetime import datetime, timezone
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import Colour, mode_colour, mode_words
@@ -51,22 +52,22 @@ def duration(seconds: float) -> str:
     Args:
         seconds: Of the flight's clock in [s].
     """
-    if seconds < 60.0:
-        return f"{number(seconds, 0)} s"
-    minutes, rest = divmod(int(seconds), 60)
-    return f"{minutes} min {rest} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
 def clock(time: float) -> str:
-    """Time of a flight: since its start, or of the day where the clock counts from 1970.
+    """Time of a flight as a clock shows it, such as ``1:02:03.4``, as page_script.js writes it.
 
     Args:
-        time: Of the flight's clock in [s].
+        time: Of the flight's clock in [s], since its start, where it may be negative, or 1970.
     """
-    if time < EPOCH:
-        return f"{number(time)} s"
-    hours, rest = divmod(int(time) % 86400, 3600)
-    return f"{hours:02d}:{rest // 60:02d}:{rest % 60:02d} UTC"
+    if time > EPOCH:
+        return f"{datetime.fromtimestamp(time, timezone.utc):%H:%M:%S} UTC"
+    minutes, rest = divmod(round(abs(time) * 10), 600)
+    hours, minutes = divmod(minutes, 60)
+    front = f"{hours}:{minutes:02d}" if hours else f"{minutes}"
+    return f"{'-' if time < 0.0 else ''}{front}:{rest // 10:02d}.{rest % 10}"
 
 
 def badge(words: str, colour: Colour) -> str:

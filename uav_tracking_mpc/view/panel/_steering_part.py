@@ -419,7 +419,7 @@ class ParameterPart(SteeringPart):
             steered.wanted = False
 
         def answered(refusal: str) -> None:
-            if refusal:
+            if refusal and not any(steered.wanted for steered in self._steered):
                 self._touched = -math.inf  # what is flown is shown at once
 
         words = ", ".join(f"{name} {_short(value)}" for name, value in values.items())

@@ -52,6 +52,7 @@ RESOLUTION = 0.5  # s between their points
 HEIGHT = 120  # pixels
 BLUE, ORANGE, FALLBACK = "rgb(0,130,200)", "rgb(213,94,0)", "rgba(230,159,0,0.3)"
 BANK = "Bank"
+OF = {"Range": " to target", "Altitude": " over target"}  # where they are counted from
 LEVEL = 0.05  # deg; a smaller bank is to neither side
 LEAST_COST = 1e-6  # [-]; its logarithm is drawn
 # About range error [m] and logarithm of the cost [-], so that what hardly changes looks so.
@@ -161,7 +162,8 @@ def _row(reading: Reading) -> list[str]:
     if reading.mark:
         value = badge(value, ALARM if reading.mark.startswith("beyond") else ATTENTION)
     error = number(reading.error, signed=True)
-    return [reading.name, f"<b>{value}</b>", error, faint(_limits(reading))]
+    name = reading.name + faint(OF.get(reading.name, ""))
+    return [name, f"<b>{value}</b>", error, faint(_limits(reading))]
 
 
 def _limits(reading: Reading) -> str:
@@ -371,16 +373,21 @@ def nearest_limit(sight: Sight, tracking: TrackingParameters | None) -> Margin |
                 bound, left = one.least, one.value - one.least
                 share = bound / max(one.value, 1e-9)
             used = max(share if bound > 0.0 else 0.0, float(left <= 0.0))
-        margins.append(Margin(f"{one.name.lower()}, {number(left)} {one.unit} left", used))
+        margins.append(_margin(one.name.lower(), f"{number(abs(left))} {one.unit}", left, used))
     limits = () if tracking is None else tracking.envelope.limits
     for limit in limits:
         for shape in limit.shapes:
             if isinstance(shape, Cylinder):
                 away = math.hypot(*(sight.position[:2] - [shape.east, shape.north]))
+                left = away - shape.radius if shape.outside else shape.radius - away
                 used = shape.radius / max(away, 1e-9) if shape.outside else away / shape.radius
-                words = f"{limit.label}, {number(abs(shape.radius - away), 0)} m left"
-                margins.append(Margin(words, used))
+                margins.append(_margin(limit.label, f"{number(abs(left), 0)} m", left, used))
     return max(margins, key=lambda margin: margin.used, default=None)
+
+
+def _margin(name: str, far: str, left: float, used: float) -> Margin:
+    """Not "left", which after a bank is a side."""
+    return Margin(f"{name}, {far} {'away' if left >= 0.0 else 'beyond'}", used)
 
 
 def worst_sensor(sight: Sight, tracking: TrackingParameters | None) -> Margin | None:
@@ -404,7 +411,7 @@ def worst_sensor(sight: Sight, tracking: TrackingParameters | None) -> Margin | 
     measured = sight.target.measured
     if measured is None or not np.isfinite(measured).all():
         return None
-    return Margin(f"target, known to {number(loose)} m", loose / (LOOSE * tracking.range))
+    return Margin(f"target, known to ±{number(loose)} m", loose / (LOOSE * tracking.range))
 
 
 class Health(PanelPart):

@@ -20,9 +20,8 @@ import math
 import time
 from typing import Any
 
-import viser
-
 from uav_tracking_mpc.view.panel import PanelPart
+from uav_tracking_mpc.view.panel._html import clock
 from uav_tracking_mpc.view.watched_flight import RATES, FlightSource, Sight, WatchedFlight
 
 STEP = 0.1  # s of the slider
@@ -37,6 +36,7 @@ class Replay(PanelPart):
 
     name = "replay"
     order = 0.0
+    period = 0.1
 
     @classmethod
     def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
@@ -51,48 +51,53 @@ class Replay(PanelPart):
     def add(self) -> None:
         """Add slider and buttons."""
         assert self.source.clock is not None, "there is no such part without it"
-        self.clock = clock = self.source.clock
+        self.clock = record = self.source.clock
         self._moved = -HAND  # when somebody moved the slider, steady [s]
-        self._words = self.gui.add_markdown(self._time_in_words())
+        self._words = self.gui.add_markdown("")
         # mypy takes a handle's value for one that cannot be set.
         self._slider: Any = self.gui.add_slider(
             "time [s]",
-            min=math.floor(clock.begin / STEP + SAME) * STEP,
-            max=math.ceil(clock.end / STEP - SAME) * STEP,
+            min=math.floor(record.begin / STEP + SAME) * STEP,
+            max=math.ceil(record.end / STEP - SAME) * STEP,
             step=STEP,
-            initial_value=self._shown(),
+            initial_value=round(record.time, 1),
         )
+        self._at = self._slider.value  # as it was looked at last
         self._button = self.gui.add_button("")
-        self._label()
         self._speed: Any = self.gui.add_dropdown(
-            "speed", tuple(SPEEDS), initial_value=f"{clock.rate:g}x"
+            "speed", tuple(SPEEDS), initial_value=f"{record.rate:g}x"
         )
-        self._jumps = self.gui.add_button_group("jump", tuple(JUMPS))
-        self._slider.on_update(self._slide)
+        self._rate = self._speed.value  # as it was looked at last
+        jumps = self.gui.add_button_group("jump", tuple(JUMPS))
         self._button.on_click(lambda _: self._toggle())
-        self._speed.on_update(lambda _: self._change_speed())
-        self._jumps.on_click(lambda event: self._jump(JUMPS.get(event.target.value, 0.0)))
+        jumps.on_click(lambda event: self._jump(JUMPS.get(event.target.value, 0.0)))
+        self._write()
 
     def show(self, sight: Sight) -> None:
-        """Follow the clock.
+        """Hear what was set by hand, and follow the clock.
+
+        By the widgets' values and not in their callbacks: those come later, in other threads, when
+        the value may be that of the clock again.
 
         Args:
             sight: Of the first aircraft.
         """
-        self._words.content = self._time_in_words()
-        self._label()
-        self._speed.value = f"{self.clock.rate:g}x"
+        at, rate = self._slider.value, self._speed.value
+        if at != self._at and math.isfinite(at):
+            self._at, self._moved = at, time.monotonic()
+            self.clock.seek(at)
+        if rate != self._rate:
+            self.clock.rate = SPEEDS.get(rate, self.clock.rate)
+        self._write()
+
+    def _write(self) -> None:
+        record = self.clock
+        self._words.content = f"**{clock(record.time)}** of {clock(record.end)}"
+        self._button.label = "pause" if record.playing else "play"
+        self._rate = self._speed.value = f"{record.rate:g}x"
         if time.monotonic() - self._moved >= HAND:
-            self._slider.value = self._shown()
-
-    def _shown(self) -> float:
-        """In whole steps, which the field beside the slider has room for."""
-        return round(self.clock.time, 1)
-
-    def _slide(self, event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
-        if event.client is not None and math.isfinite(event.target.value):  # by hand
-            self._moved = time.monotonic()
-            self.clock.seek(event.target.value)
+            # In whole steps, which the field beside the slider has room for.
+            self._at = self._slider.value = round(record.time, 1)
 
     def _jump(self, step: float) -> None:
         self.clock.seek(self.clock.time + step)
@@ -103,26 +108,3 @@ class Replay(PanelPart):
             self.clock.pause()
         else:
             self.clock.play()
-        self._label()
-
-    def _change_speed(self) -> None:
-        self.clock.rate = SPEEDS.get(self._speed.value, self.clock.rate)
-
-    def _label(self) -> None:
-        self._button.label = "pause" if self.clock.playing else "play"
-
-    def _time_in_words(self) -> str:
-        return f"**{clock_words(self.clock.time)}** of {clock_words(self.clock.end)}"
-
-
-def clock_words(seconds: float) -> str:
-    """A time as a clock shows it, such as ``1:02:03.4``.
-
-    Args:
-        seconds: In [s]; before the first command it is negative.
-    """
-    sign = "-" if seconds < 0.0 else ""
-    minutes, rest = divmod(round(abs(seconds) * 10), 600)
-    hours, minutes = divmod(minutes, 60)
-    front = f"{hours}:{minutes:02d}" if hours else f"{minutes}"
-    return f"{sign}{front}:{rest // 10:02d}.{rest % 10}"

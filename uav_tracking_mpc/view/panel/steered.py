@@ -132,7 +132,7 @@ class Wind(ParameterPart):
         speed, azimuth = from_where(known["wind"])
         self._up = float(known["wind"][2])
         set_slider(self._speed, speed)
-        if speed > STILL:
+        if speed > STILL and azimuth != self._from.value % 360.0:  # north is at both ends
             self._from.value = azimuth
 
     def _wind(self) -> dict[str, Any]:
@@ -330,10 +330,15 @@ class Compare(SteeringPart):
         self._wanted.on_update(self._ask)
 
     def _ask(self, event: Any) -> None:
-        on = bool(self._wanted.value)
-        self.client = event.client or self.client
-        self._laws = ()
-        self.ask("laws beside", lambda: self.steering.compare(on), lambda refusal: None)
+        if event.client is None:  # this program has set it
+            return
+        self.client, self._laws = event.client, ()
+        # As it is when those before it are answered: of two hands the last one counts.
+        self.ask("laws beside", lambda: self.steering.compare(self._wanted.value), self._put_back)
+
+    def _put_back(self, refusal: str) -> None:
+        if refusal:
+            self._wanted.value = not self._wanted.value
 
     def show(self, sight: Sight) -> None:
         """Write the errors.

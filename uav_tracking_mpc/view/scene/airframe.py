@@ -199,12 +199,14 @@ class Rivals(SceneElement):
             sight: Of this aircraft.
         """
         size = SHARE * extent(self.flight, sight)
-        seen = {rival.law: rival for rival in sight.rivals}
+        seen = {
+            rival.law: rival
+            for rival in sight.rivals
+            if finite(rival.position, rival.heading, rival.path_angle, rival.bank)
+        }
         for law, (body, label) in self._ghosts.items():
             body.visible = label.visible = law in seen
         for rank, (law, rival) in enumerate(seen.items(), 1):
-            if not finite(rival.position, rival.heading, rival.path_angle, rival.bank):
-                continue
             body, label = self._ghosts.get(law) or self._add(law)
             body.position, body.scale = rival.position, size
             body.wxyz = quaternion_from_euler(rival.bank, -rival.path_angle, rival.heading)

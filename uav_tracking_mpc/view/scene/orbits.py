@@ -178,6 +178,7 @@ PENDING = 4  # points that the head takes up before the whole line is sent again
 JUMP = 5.0  # s; after a longer step of time, or back, the past is asked for again
 SHORTEST = 0.15  # share of the oldest dash that is drawn
 STANDING = 1e-3  # m; what moves less draws no line
+FASTEST = 340.0  # m/s, of sound; what moves faster was put elsewhere, as by a reset
 NO_TRACK = np.zeros((1, 2, 3))
 SLOW, FAST = 0.6, 1.4  # speed over ground by that through the air, at the ends of the scale
 GAMMA = 2.2  # -, of sRGB
@@ -218,17 +219,19 @@ def dashes(times: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[n
     begin, end = points[:-1], points[1:]
     youth = np.clip(1.0 - (times[-1] - times[1:]) / SPAN, 0.0, 1.0)
     drawn = np.minimum(SHORTEST + 1.5 * youth, 1.0)[:, None]
-    return np.stack([end - drawn * (end - begin), end], axis=1)[moved(points)]
+    return np.stack([end - drawn * (end - begin), end], axis=1)[moved(times, points)]
 
 
-def moved(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+def moved(times: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Whether a thing went on from each point to the next, shape (n - 1,).
 
     Args:
+        times: Of the points in [s], shape (n,), oldest first.
         points: In [m], shape (n, 3).
     """
     steps = np.diff(points.reshape(-1, 3), axis=0)  # none where there is no point
-    return np.asarray(np.linalg.norm(steps, axis=1) > STANDING)
+    lengths = np.linalg.norm(steps, axis=1)
+    return np.asarray((lengths > STANDING) & (lengths <= FASTEST * np.diff(times)))
 
 
 class TrackPoint(NamedTuple):
@@ -315,11 +318,10 @@ class Track(SceneElement):
 
 
 def _draw_track(line: viser.LineSegmentsHandle, track: list[TrackPoint]) -> None:
-    points = np.array([each.place for each in track])
-    went_on = moved(points)
+    times, points, colours = (np.array([each[k] for each in track]) for k in range(3))
+    went_on = moved(times, points)
     line.visible = bool(went_on.any())
     if line.visible:
-        times, colours = (np.array([each[k] for each in track]) for k in (0, 2))
         line.points = dashes(times, points).astype(np.float32)
         line.colors = np.repeat(colours[1:][went_on][:, None], 2, axis=1)
 
