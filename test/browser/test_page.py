@@ -101,13 +101,13 @@ def test_one_page_goes_back_and_comes_again_while_the_other_stays(look, page, se
     for _ in range(2):
         canvas.press("PageDown")  # 10 s back each, no farther than the begin
     seen.wait_for_element("#flight-time", "0:00.0")
-    seen.wait_for_element("#flight-words", "The picture is of the past")
+    seen.wait_for_element("#flight-words", "The picture is of another time")
     seen.wait_for_element("#flight-card", "Airspeed")
     seen.page.get_by_text("limits").first.wait_for(state="hidden")  # the readings of now
     seen.eventually(lambda: seen.page.title().startswith("past"), "the title says so")
     past = seen.pixels_unlike(now)
     assert other.page.locator("#flight-time").text_content() == "0:14.0"
-    seen.page.get_by_role("button", name="live", exact=True).click()
+    seen.page.get_by_role("button", name="replay", exact=True).click()
     seen.wait_for_element("#flight-time", "0:14.0")
     assert seen.page.locator("body.flight-past").count() == 0
     seen.pixels_unlike(past)
@@ -124,6 +124,7 @@ def test_a_server_that_dies_is_announced_and_its_successor_opens_by_its_own_addr
         process.kill()
         seen.wait_for_loss()
         seen.wait_for_element("#flight-banner", "Connection lost: the picture is")
+        seen.wait_for_element("#flight-words", "no connection")  # and not that time stands
         with PageProcess(saved, process.port) as again:  # of a new token
             seen.wait_for_element("#flight-banner", "Open the address that it prints")
             seen.open(again.address)

@@ -67,7 +67,7 @@ def test_a_row_says_what_was_seen():
     assert row["time"] == 12.3
     assert MODES[row["mode"]] is FallbackMode.LOITER
     assert row["range error"] == 0.4
-    assert row["height"] == 121.0
+    assert row["altitude"] == 121.0
     assert row["bank"] == pytest.approx(math.degrees(seen.bank), rel=1e-3)
     assert (row["airspeed"], row["wind"], row["cost"]) == (22.5, 5.0, 2.5)
 
@@ -87,7 +87,7 @@ def test_what_is_not_finite_is_null(value):
     history = noted([1.0], airspeed=value, cost=value, bank=value, errors={}, target=None)
     told = strict(history.as_json())
     row = dict(zip(told["columns"], told["rows"][0], strict=True))
-    unknown = {"bank", "airspeed", "cost", "height", "range error", "wind", *ERRORS}
+    unknown = {"bank", "airspeed", "cost", "altitude", "range error", "wind", *ERRORS}
     assert {name for name, number in row.items() if number is None} == unknown
 
 

@@ -30,7 +30,7 @@ from watched_flight_stand_in import (
 )
 
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.view.flight_history import FlightHistory
+from uav_tracking_mpc.view.flight_history import COLUMNS, FlightHistory
 from uav_tracking_mpc.view.page import Page
 from uav_tracking_mpc.view.panel.mission_file import mission_of
 from uav_tracking_mpc.view.visitors import PAST_WORLD, PastFlight, Visitor, alert_of, figures
@@ -79,6 +79,7 @@ def test_the_figures_are_those_of_the_sight():
     assert told["readings"]["Bank"][1] == pytest.approx(math.degrees(-0.2), rel=1e-4)
     assert set(told["readings"]) == {"Range", "Altitude", "Airspeed", "Bank", "Path angle"}
     assert told["wind"] is None
+    assert told["row"][COLUMNS.index("range error")] == 0.4
 
 
 @pytest.fixture

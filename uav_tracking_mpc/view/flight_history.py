@@ -42,7 +42,7 @@ SAME = 1e-6  # s by which times may miss each other
 FILLING = 0.005  # s of wall time a frame in which a record is read for its strip
 MODES = (None, *MODE_COLOURS)
 COLUMNS = (
-    "time", "mode", "range error", "height", "bank", "airspeed", "wind", "cost", *ERRORS
+    "time", "mode", "range error", "altitude", "bank", "airspeed", "wind", "cost", *ERRORS
 )  # fmt: skip
 
 

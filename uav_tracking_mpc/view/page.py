@@ -32,7 +32,7 @@ from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
 from uav_tracking_mpc.view.cameras import covered
 from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, badge, block
-from uav_tracking_mpc.view.scene import LIMIT, SCENE_ELEMENT, WIND, Colour, SceneElement
+from uav_tracking_mpc.view.scene import GREY, LIMIT, SCENE_ELEMENT, WIND, Colour, SceneElement
 from uav_tracking_mpc.view.scene.orbits import SCALE
 from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
 from uav_tracking_mpc.view.visitors import FLOWN, MISSION, NOW, NOW_TAG, Visitors
@@ -41,7 +41,13 @@ from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFli
 PLACE, WIDTH = (15.0, 15.0), 250.0  # pixels from the upper left corner of the scene
 ROW = '<div style="display:flex;gap:0.5em;align-items:center">{}<span>{}</span></div>'
 MARK = '<span style="flex:0 0 1.6em;height:0;border-top:3px {} rgb{}"></span>'
-SQUARE = '<span title="{}" style="flex:0 0 0.8em;height:0.8em;background:rgb{}"></span>'
+SQUARE = (
+    '<span style="white-space:nowrap;margin-right:0.8em"><span style="display:inline-block;'
+    'width:0.8em;height:0.8em;background:rgb{}"></span> {}</span> '
+)
+DISC = (
+    '<span style="flex:0 0 1.6em;height:0.8em;border-radius:1em 1em 0 0;background:rgb{}"></span>'
+)
 BAR = '<span style="flex:0 0 1.6em;height:4px;background:linear-gradient(90deg,{})"></span>'
 
 # A page saves what it has drawn itself, on its own background: viser's pictures end at 1 km.
@@ -77,12 +83,15 @@ def legend(colour: Colour, recorded: bool = False) -> str:
         (MARK.format("solid", WIND), "the wind, which drifts as fast as this"),
         (MARK.format("solid", LIMIT), "a limit that is near"),
         (MARK.format("solid", colour), "the target, and where it is expected"),
+        (MARK.format("solid", colour), "an arrow: velocity over ground"),
+        (MARK.format("solid", GREY), "an arrow: velocity through the air"),
+        (DISC.format(GREY), "a sphere about the target: not to be flown into"),
     ]
-    modes = [SQUARE.format(mode.value, tint) for mode, tint in MODE_COLOURS.items()]
+    modes = [SQUARE.format(tint, mode.value) for mode, tint in MODE_COLOURS.items()]
     return (
         '<div data-flight-legend style="font-size:0.75em;line-height:1.45;padding:0 0.7em 0.5em">'
         + "".join(ROW.format(*row) for row in rows)
-        + ROW.format("".join(modes), "wings and plan, best first")
+        + f"Wings and plan, best first:<br>{''.join(modes)}<br>"
         + ("" if recorded else "<b>Drag the target</b> with the mouse. ")
         + ("Drag to look around." if recorded else "Drag elsewhere to look around.")
         + SAVE
@@ -230,7 +239,8 @@ class _Drawn:
     ) -> None:
         self.colour, self._flight, self._tab = colour, flight, tabs.add_tab(flight.name)
         with self._tab:
-            server.gui.add_html(NOW_TAG, order=-2e6)
+            back = "live" if source.clock is None else "replay"
+            server.gui.add_html(NOW_TAG.format(back), order=-2e6)
             self._failures = server.gui.add_html("", order=-1e6, visible=False)  # above all parts
 
         def begin_part(kind: type[PanelPart]) -> Callable[[Any], PanelPart | None]:

@@ -34,14 +34,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.cameras import FirstView, Seat, Watched
-from uav_tracking_mpc.view.flight_history import (
-    EXACT,
-    MODES,
-    FlightHistory,
-    legend,
-    told,
-    weighted_errors,
-)
+from uav_tracking_mpc.view.flight_history import EXACT, MODES, FlightHistory, legend, row_of, told
 from uav_tracking_mpc.view.panel.mission_file import fly_and_tell
 from uav_tracking_mpc.view.panel.readings import readings
 from uav_tracking_mpc.view.watched_flight import (
@@ -61,8 +54,8 @@ NOW, FLOWN, MISSION = "/flight/now", "/flight/flown", "/flight/mission"  # paths
 NAME_TAG = '<span data-flight-page="{}" hidden></span>'
 # By it the page knows what of the panel is of now; it reads the words while it looks back.
 NOW_TAG = (
-    "<span data-flight-panel>Readings and controls are of now: this page looks at the past. "
-    "They come back with <b>live</b>.</span>"
+    "<span data-flight-panel>Readings and controls are of another time than the picture. "
+    "They come back with <b>{}</b>.</span>"
 )
 
 Alert = tuple[int, str]
@@ -105,8 +98,7 @@ def figures(sight: Sight, tracking: TrackingParameters | None) -> dict[str, Any]
     Returns:
         ``time`` in [s]; ``mode``, an index, and its ``reason``; ``readings`` by name, each value,
         error, least and most in the unit that stands first; ``course`` and ``wind_from`` in [deg]
-        from north, clockwise, ``wind`` in [m/s]; ``cost`` and ``weighted``, by ``ERRORS`` [-];
-        ``solve`` in [ms].
+        from north, clockwise, ``wind`` in [m/s]; ``row``, as of the strip.
     """
     wind = (math.nan, math.nan) if sight.wind is None else tuple(sight.wind[:2].tolist())
     shown = {
@@ -121,9 +113,7 @@ def figures(sight: Sight, tracking: TrackingParameters | None) -> dict[str, Any]
         "course": told(math.degrees(0.5 * math.pi - sight.heading) % 360.0),
         "wind": told(math.hypot(*wind)),
         "wind_from": told(math.degrees(math.atan2(-wind[0], -wind[1])) % 360.0),
-        "cost": told(sight.cost),
-        "weighted": [told(value, 4) for value in weighted_errors(sight, tracking)],
-        "solve": told(1e3 * sight.solve_time),
+        "row": row_of(sight, tracking),
     }
 
 

@@ -146,7 +146,13 @@ def test_jumps_stay_within_the_record(shown, clock):
 
 @pytest.mark.parametrize(
     ("seconds", "words"),
-    [(0.0, "0:00.0"), (-3.25, "-0:03.2"), (59.96, "1:00.0"), (7384.5, "2:03:04.5"), (86400e4 + 60.0, "00:01:00 UTC")],
+    [
+        (0.0, "0:00.0"),
+        (-3.25, "-0:03.2"),
+        (59.96, "1:00.0"),
+        (7384.5, "2:03:04.5"),
+        (86400e4 + 60.0, "00:01:00 UTC"),
+    ],
 )
 def test_time_in_words(seconds, words):
     assert clock_words(seconds) == words

@@ -172,7 +172,7 @@ def test_after_a_jump_of_time_the_past_is_asked_for(flown, node):
 def test_no_line_leads_to_where_a_reset_puts_the_aircraft(flown, node):
     element, flight = flown
     there = [
-        dataclasses.replace(each, position=each.position + [900.0, 0.0, 0.0])
+        dataclasses.replace(each, position=np.add(each.position, [900.0, 0.0, 0.0]))
         for each in along_east(np.arange(10.0, 13.0, 0.05))
     ]
     for seen in there:

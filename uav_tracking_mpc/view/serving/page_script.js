@@ -34,7 +34,7 @@
   const TERMS = ["range", "bearing", "altitude", "path angle", "speed"];
   const LANES = {
     "range error": { words: (value) => `${shown(value)} m`, zero: true, least: 1 },
-    height: { words: (value) => `${shown(value)} m`, least: 2 },
+    altitude: { words: (value) => `${shown(value)} m`, least: 2 },
     bank: { words: (value) => tilted(value), zero: true, least: 10 },
     airspeed: { words: (value) => `${shown(value)} m/s`, least: 1 },
     wind: { words: (value) => `${shown(value)} m/s`, zero: true, least: 1 },
@@ -90,7 +90,8 @@
     strip = make("section", document.body, { id: "flight-strip", "aria-label": "Time strip" });
     const header = make("header", strip);
     play = button(header, "pause", togglePlay, "Pause this page; the flight goes on");
-    live = button(header, record ? "begin" : "live", goLive, "Back to the flight as it is now (L)");
+    live = button(header, record ? "begin" : "live", goLive,
+      record ? "Back to the begin" : "Back to what all pages show (L)");
     timeLabel = make("span", header, { id: "flight-time" }, "-");
     words = make("span", header, { id: "flight-words" });
     const chips = make("span", header, { id: "flight-lanes" });
@@ -117,7 +118,8 @@
       canvas.title = markAt(event.offsetX);
     });
     canvas.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: -1, ArrowRight: 1, PageDown: -10, PageUp: 10 }[event.key];
+      const step = { ArrowLeft: -1, ArrowRight: 1, PageDown: -10, PageUp: 10,
+        Home: -Infinity, End: Infinity }[event.key];
       if (step === undefined) return;
       event.preventDefault();
       event.stopPropagation(); // viser moves its camera by them
@@ -126,8 +128,9 @@
     window.addEventListener("keydown", (event) => {
       const typing = event.target.closest?.("input, textarea, select, [contenteditable]");
       if (typing || record || event.ctrlKey || event.metaKey || event.altKey) return;
-      if (event.key === "h") toggleHud();
-      if (event.key === "l") goLive();
+      const key = event.key.toLowerCase();
+      if (key === "h") toggleHud();
+      if (key === "l") goLive();
     });
     window.addEventListener("resize", resize);
     document.addEventListener("click", (event) => {
@@ -142,7 +145,10 @@
   }
   function button(parent, text, click, title = "") {
     const made = make("button", parent, { type: "button", title }, text);
-    made.addEventListener("click", () => (click(), made.blur())); // keys belong to the scene again
+    made.addEventListener("click", (event) => {
+      click();
+      if (event.detail) made.blur(); // of the mouse: keys belong to the scene again
+    });
     return made;
   }
   const isFolded = () => strip.classList.contains("folded");
@@ -212,6 +218,7 @@
     if (!answer.ok) throw new Error(`status ${answer.status}`);
     return answer.json();
   }
+  const isLost = () => restarted || silence > 1000 * OLD;
   /** It names this page to its server. */
   const pageTag = () => [...document.querySelectorAll("[data-flight-page]")].at(-1);
   async function poll() {
@@ -279,25 +286,34 @@
       banner.className = ["know", "attend", "wrong"][wrong[0]];
     }
     const sight = now?.sight, past = Boolean(now?.past);
-    const still = !past && performance.now() - stood.since > 1000;
+    const lost = isLost(), still = !past && !lost && performance.now() - stood.since > 1000;
     const why = sight?.reason ? `: ${sight.reason}` : "";
     const mode = sight ? now.modes[sight.mode][0] : "waiting";
-    const warning = restarted || wrong?.[0] === 2 ? "⚠ " : "";
-    const title = past ? "past" : warning + mode + (still && !warning ? ", still" : "");
+    const warning = wrong?.[0] === 2 ? "⚠ " : "";
+    const title = lost ? "⚠ no connection" : past ? "past"
+      : warning + mode + (still && !warning ? ", still" : "");
     document.title = `${title} · ${now?.name || "no flight"} · uav_tracking`;
     document.body.classList.toggle("flight-past", past);
     timeLabel.textContent = clock(sight?.time ?? null);
     const behind = past && now.live !== null ? now.live - sight.time : 0;
-    words.textContent = past
-      ? "The picture is of the past: " +
-        (now.record ? clock(sight.time) : `${behind.toFixed(1)} s before now`)
-      : sight ? (still ? "time stands still: " : "now: ") + mode + why : "nothing is seen yet";
+    words.textContent = lost ? "no connection: this is the last picture"
+      : past
+        ? now.record ? `The picture is of another time than the replay: ${clock(sight.time)}`
+          : `The picture is of the past: ${behind.toFixed(1)} s before now`
+        : sight ? (still ? "time stands still: " : now.record ? "replay: " : "now: ") + mode + why
+          : "nothing is seen yet";
     play.textContent = asked !== null && !playing ? "play" : "pause";
+    live.textContent = now?.record ? "replay" : "live";
     live.setAttribute("aria-pressed", asked === null);
-    canvas.setAttribute("aria-valuenow", shown(sight?.time));
+    if (sight) tellTime(sight.time);
     showCard(past ? sight : null, mode);
     showHud(sight);
     dirty = true;
+  }
+  /** To who hears the page. */
+  function tellTime(time) {
+    canvas.setAttribute("aria-valuenow", shown(time));
+    canvas.setAttribute("aria-valuetext", clock(time));
   }
   function showCard(sight, mode) {
     card.hidden = sight === null;
@@ -309,7 +325,7 @@
     for (const [name, [unit, value, error]] of Object.entries(sight.readings)) {
       const row = make("tr", table);
       make("td", row, {}, name);
-      make("td", row, {}, `${shown(value)} ${unit}`);
+      make("td", row, {}, name === "Bank" && value !== null ? tilted(value) : `${shown(value)} ${unit}`);
       make("td", row, {}, error === null ? "" : `error ${shown(error)}`);
     }
   }
@@ -346,11 +362,12 @@
     pen.textBaseline = "middle";
     const rows = drawn.rows, time = shownTime(), foot = canvas.clientHeight - AXIS;
     drawModes(pen, rows);
+    const current = now?.sight?.row ?? rows[rowAt(time)]; // while time stands no row is added
     lanes.forEach((name, k) => {
       const top = BAND + 4 + k * LANE;
       pen.fillStyle = line;
       pen.fillRect(0, top, innerWidth, 1);
-      if (rows.length) drawLane(pen, name, top, rows, rowAt(time), { ink, quiet, line, blue });
+      if (rows.length) drawLane(pen, name, top, rows, current, { ink, quiet, line, blue });
     });
     drawAxis(pen, quiet);
     for (const [when, level] of drawn.events) {
@@ -368,7 +385,7 @@
     }
     canvas.setAttribute("aria-valuemin", span()[0].toFixed(1));
     canvas.setAttribute("aria-valuemax", span()[1].toFixed(1));
-    if (record) canvas.setAttribute("aria-valuenow", time.toFixed(1));
+    if (record) tellTime(time);
     canvas.dataset.rows = rows.length;
   }
   function drawModes(pen, rows) {
@@ -388,7 +405,7 @@
     pen.fillStyle = colours.quiet;
     pen.fillText(name, 8, top + 11);
     if (shares) return drawShares(pen, top, rows, current, colours);
-    const at = column(name), value = rows[current][at];
+    const at = column(name), value = current[at];
     [pen.fillStyle, pen.font] = [colours.ink, `600 ${FONT}`];
     pen.fillText(value === null ? "not known" : words(value), 8, top + 27);
     pen.font = FONT;
@@ -438,7 +455,7 @@
         y += (height * term) / sum;
       });
     }
-    const terms = rows[current].slice(first);
+    const terms = current.slice(first);
     const most = terms.indexOf(Math.max(...terms.map((each) => each ?? -1)));
     pen.fillStyle = colours.ink;
     pen.fillText(terms[most] === null ? "not known" : `most: ${TERMS[most]}`, 8, top + 27);
@@ -447,7 +464,7 @@
       const size = pen.measureText(name).width + 10;
       pen.fillStyle = TERM_COLOURS[k];
       pen.fillRect(x, top + 4, size - 2, 14);
-      pen.fillStyle = "#fff";
+      pen.fillStyle = k ? "#000" : "#fff"; // the first one alone is dark
       pen.fillText(name, x + 4, top + 11);
       x += size;
     });
@@ -531,8 +548,8 @@
   }
   function tapes(sight, w, h, off) {
     const { Airspeed, Altitude, Range } = sight.readings;
-    let drawing = tape(w / 2 - off, h, Airspeed, 0.5, -1, "airspeed", "m/s") +
-      tape(w / 2 + off, h, Altitude, 5, 1, "height", "m");
+    let drawing = tape(w / 2 - off, h, Airspeed, 0.5, -1, "airspeed") +
+      tape(w / 2 + off, h, Altitude, 5, 1, "altitude");
     const error = Range[2], bottom = Math.min(h / 2 + Math.min(0.36 * h, 190) + 12, h - 50);
     const wind = sight.wind === null ? "wind not known" : sight.wind < 0.05 ? "no wind"
       : `wind ${sight.wind.toFixed(1)} m/s from ${sight.wind_from.toFixed(0)}°`;
@@ -566,7 +583,10 @@
   function offerMission() {
     const mission = new URLSearchParams(location.hash.slice(1)).get("mission");
     if (!mission) return;
-    const box = make("div", document.body, { id: "flight-mission", role: "dialog" });
+    const box = make("div", document.body, {
+      id: "flight-mission", role: "dialog", "aria-label": "A mission in the address",
+    });
+    box.addEventListener("keydown", (event) => event.key === "Escape" && end());
     const words = make("b", box, {}, "This address holds a mission. Fly it?");
     make("pre", box, {}, mission);
     const end = () => {
@@ -583,7 +603,7 @@
     });
     fly.disabled = true; // until it is known what flies
     const waiting = setInterval(() => (fly.disabled = !pageTag() || !now?.name), TICK);
-    button(box, "Not now", end);
+    button(box, "Not now", end).focus();
   }
   // ---- begin -----------------------------------------------------------------------------------
   function begin() {
