@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import math
 import time
 import weakref
 from collections.abc import Callable
@@ -135,6 +136,7 @@ class Guarded:
         name: By which it is found.
         api: Of viser, for the scene or the panel.
         begin: Makes it with that API; None while there is nothing to show.
+        period: Time between updates in [s].
 
     Attributes:
         name: As above.
@@ -142,20 +144,27 @@ class Guarded:
     """
 
     def __init__(
-        self, name: str, api: Any, begin: Callable[[Any], SceneElement | PanelPart | None]
+        self,
+        name: str,
+        api: Any,
+        begin: Callable[[Any], SceneElement | PanelPart | None],
+        period: float = 0.0,
     ) -> None:
         self.name, self.failure = name, ""
+        self._period, self._due = period, 0.0
         self._api, self._begin = _Noting(api), begin
         self._shown: SceneElement | PanelPart | None = None
 
-    def show(self, sight: Sight) -> None:
-        """Bring it up to date, unless it is switched off.
+    def show(self, sight: Sight, now: float = math.inf) -> None:
+        """Bring it up to date once that is due, unless it is switched off.
 
         Args:
             sight: Of the aircraft.
+            now: Steady wall time in [s].
         """
-        if self.failure:
+        if self.failure or now < self._due:
             return
+        self._due = now + self._period
         try:
             if self._shown is None:
                 self._shown = self._begin(self._api)
@@ -252,23 +261,18 @@ class _Drawn:
 
             return begin
 
-        self._elements = elements_of(server.scene, flight, colour)
         kinds = sorted(PANEL_PART.all().items(), key=lambda item: item[1].order)
-        self._parts = [Guarded(name, server.gui, begin_part(kind)) for name, kind in kinds]
-        self._periods = {name: kind.period for name, kind in kinds}
-        self._due: dict[str, float] = {}
+        self._shown = elements_of(server.scene, flight, colour) + [
+            Guarded(name, server.gui, begin_part(kind), kind.period) for name, kind in kinds
+        ]
 
     def show(self, now: float) -> Sight | None:
         sight = self._flight.sight
         if sight is None:
             return None
-        for element in self._elements:
-            element.show(sight)
-        for part in self._parts:
-            if now >= self._due.get(part.name, 0.0):
-                self._due[part.name] = now + self._periods[part.name]
-                part.show(sight)
-        failed = [each for each in (*self._elements, *self._parts) if each.failure]
+        for shown in self._shown:
+            shown.show(sight, now)
+        failed = [shown for shown in self._shown if shown.failure]
         self._failures.visible = bool(failed)
         self._failures.content = block(
             *(f"{badge('switched off', ALARM)} {escape(f'{f.name}: {f.failure}')}" for f in failed)

@@ -400,10 +400,6 @@ class KeptFlight(WatchedFlight):
         self.name, self.clock, self.tracking = name, clock, tracking
         self._past: OrderedDict[int, Sight | None] = OrderedDict()
 
-    @abstractmethod
-    def at(self, time: float, whole: bool = True) -> Sight | None:
-        """See :meth:`WatchedFlight.at`."""
-
     @property
     def sight(self) -> Sight | None:
         """What there is to see at the time of the clock."""

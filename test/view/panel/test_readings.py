@@ -34,7 +34,6 @@ from uav_tracking_mpc.view.panel.readings import (
     readings,
     worst_sensor,
 )
-from uav_tracking_mpc.view.panel.state import MOST
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, NodeStatus, TargetSight
 
 SMALL, PAPER = (load_configuration(name).controller for name in ("small_uav", "paper"))
@@ -120,11 +119,6 @@ def test_late_plans_of_the_last_minute_are_counted(panel):
     assert "Solver: 12 late plans in the last minute" in shown.labels()
     shown.show(counted(90.0, 2))  # of a new controller
     assert "Solver: no late plan in the last minute" in shown.labels()
-
-
-def test_points_are_bounded(panel, flight):
-    flight.seen = [sight(0.001 * k) for k in range(2 * MOST)]
-    assert len(panel(Timing).shown().part._recent.rows) == MOST
 
 
 def plots(shown):

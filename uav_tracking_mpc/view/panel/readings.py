@@ -19,6 +19,7 @@ from __future__ import annotations
 import html
 import math
 from collections import deque
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -40,12 +41,12 @@ from uav_tracking_mpc.view.panel._html import (
     number,
     table,
 )
-from uav_tracking_mpc.view.panel.state import Recent
-from uav_tracking_mpc.view.watched_flight import CONTROLLER, Sight
+from uav_tracking_mpc.view.watched_flight import CONTROLLER, Sight, WatchedFlight
 
 LATE = FallbackMode.FEASIBLE, FallbackMode.EARLIER_PLAN
 AT_LIMIT = 0.02  # of what lies between the limits
 DEGREES = math.degrees(1.0)
+MARGIN = 1.0  # s; the flight may have gone on since it was seen
 MINUTE = 60.0  # s
 SPAN = 180.0  # s of the plots
 RESOLUTION = 0.5  # s between their points
@@ -176,6 +177,22 @@ def _limits(reading: Reading) -> str:
     return f"{reading.mark} {words}" if reading.mark else words
 
 
+def columns(
+    flight: WatchedFlight, sight: Sight, span: float, read: Callable[[Sight], tuple[float, ...]]
+) -> NDArray[np.float64]:
+    """Times and figures of the past up to now, each a row of shape (n,), oldest first.
+
+    Args:
+        flight: What is read.
+        sight: Of now.
+        span: How far back in [s].
+        read: Figures of a sight.
+    """
+    past = flight.past(span + MARGIN)
+    seen = [each for each in past if sight.time - span <= each.time < sight.time]
+    return np.array([(each.time, *read(each)) for each in (*seen, sight)]).T
+
+
 class Timing(PanelPart):
     """Folded: late plans of the last minute, and times: now, median and 99th percentile."""
 
@@ -185,7 +202,6 @@ class Timing(PanelPart):
 
     def add(self) -> None:
         """Begin with an empty one."""
-        self._recent = Recent(self.flight, MINUTE, lambda seen: (seen.solve_time, seen.latency))
         self._late: deque[tuple[float, int]] = deque()  # times, and late plans since the start
         self._folder = self.gui.add_folder("Solver", order=FOLDED, expand_by_default=False)
         with self._folder:
@@ -197,7 +213,7 @@ class Timing(PanelPart):
         Args:
             sight: Of this aircraft.
         """
-        _, *past = self._recent.columns(sight)
+        _, *past = columns(self.flight, sight, MINUTE, lambda seen: (seen.solve_time, seen.latency))
         now = {"Solve time": sight.solve_time, "Latency": sight.latency}
         rows = [_times(name, now[name], each) for name, each in zip(now, past, strict=True)]
         self._table.content = block(table(rows, ("in ms, last minute", "now", "median", "p99")))
@@ -234,7 +250,6 @@ class Plots(PanelPart):
 
     def add(self) -> None:
         """Add them; each appears with its first point."""
-        self._recent = Recent(self.flight, SPAN, _figures, RESOLUTION)
         with self.gui.add_folder(f"Last {SPAN:.0f} s", order=FOLDED, expand_by_default=False):
             self._range = self._plot("Range error [m]", [("range error", BLUE), *SPANNED])
             self._bank = self._plot(
@@ -273,7 +288,9 @@ class Plots(PanelPart):
         Args:
             sight: Of this aircraft.
         """
-        time, fallback, error, bank, cost = self._recent.columns(sight)
+        rows = columns(self.flight, sight, SPAN, _figures)
+        _, thinned = np.unique(np.floor(rows[0] / RESOLUTION), return_index=True)
+        time, fallback, error, bank, cost = rows[:, thinned]
         time = time - sight.time
         tracking = self.flight.tracking
         limit = math.nan if tracking is None else math.degrees(tracking.bank_max)
@@ -359,20 +376,13 @@ def nearest_limit(sight: Sight, tracking: TrackingParameters | None) -> Margin |
     """
     margins = []
     for one in readings(sight, tracking):
-        low, high = math.isfinite(one.least), math.isfinite(one.most)
-        if not math.isfinite(one.value) or not (low or high):
+        left, span = min(one.most - one.value, one.value - one.least), one.most - one.least
+        if not math.isfinite(left):
             continue
-        if low and high:
-            half = 0.5 * (one.most - one.least)
-            used = abs(one.value - 0.5 * (one.most + one.least)) / half
-            left = min(one.most - one.value, one.value - one.least)
-        else:
-            bound, left = one.most, one.most - one.value
-            share = one.value / max(bound, 1e-9)
-            if low:
-                bound, left = one.least, one.value - one.least
-                share = bound / max(one.value, 1e-9)
-            used = max(share if bound > 0.0 else 0.0, float(left <= 0.0))
+        # Between two limits all is left in their middle; from one alone, where the value is 0.
+        whole = one.value if math.isfinite(one.least) else one.most
+        whole = 0.5 * span if math.isfinite(span) else max(whole, left)
+        used = 1.0 - left / whole if whole > 0.0 else 1.0
         margins.append(_margin(one.name.lower(), f"{number(abs(left))} {one.unit}", left, used))
     limits = () if tracking is None else tracking.envelope.limits
     for limit in limits:

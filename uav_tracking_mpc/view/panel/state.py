@@ -19,12 +19,10 @@ from __future__ import annotations
 import html
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import Colour, mode_words
@@ -41,73 +39,10 @@ from uav_tracking_mpc.view.panel._html import (
     mode_badge,
     table,
 )
+from uav_tracking_mpc.view.panel.readings import MARGIN
 from uav_tracking_mpc.view.watched_flight import FlightSource, NodeStatus, Sight, WatchedFlight
 
-MARGIN = 1.0  # s; the flight may have gone on since
-MOST = 3000  # rows that are kept
-
-
-class Recent:
-    """What a part reads of the last sights of a flight, each of which it reads once.
-
-    Where time has gone back, or on by more than is kept, as the slider of a record does it, it
-    begins anew.
-
-    Args:
-        flight: What is followed.
-        span: How far back it goes in [s].
-        read: Figures of a sight.
-        step: Least time between two rows in [s].
-
-    Attributes:
-        anew: Whether the last sights begin anew.
-        rows: Time and figures of each sight that was read in the last span, oldest first.
-    """
-
-    def __init__(
-        self,
-        flight: WatchedFlight,
-        span: float,
-        read: Callable[[Sight], tuple[float, ...]] = lambda seen: (),
-        step: float = 0.0,
-    ) -> None:
-        self._flight, self._span, self._last = flight, span, -math.inf
-        self._read, self._step = read, step
-        self.anew = True
-        self.rows: deque[tuple[float, ...]] = deque(maxlen=MOST)
-
-    def take(self, sight: Sight) -> list[Sight]:
-        """Those that are not handed out yet, oldest first.
-
-        Args:
-            sight: Of now; it is the last one if time has gone on.
-        """
-        gone = sight.time - self._last
-        self.anew = not 0.0 <= gone <= self._span
-        if gone == 0.0:
-            return []
-        since = sight.time - self._span if self.anew else self._last
-        past = self._flight.past(sight.time - since + MARGIN)
-        self._last = sight.time
-        return [*(seen for seen in past if since < seen.time < sight.time), sight]
-
-    def columns(self, sight: Sight) -> NDArray[np.float64]:
-        """Times and figures of the last span, each a row of shape (n,), oldest first.
-
-        Args:
-            sight: Of now.
-        """
-        news = self.take(sight)
-        if self.anew:
-            self.rows.clear()
-        for seen in news:
-            if not self.rows or seen.time - self.rows[-1][0] >= 0.99 * self._step:
-                self.rows.append((seen.time, *self._read(seen)))
-        while self.rows and self.rows[0][0] < sight.time - self._span:
-            self.rows.popleft()
-        return np.array(self.rows).T
-
-
+MOST = 3000  # modes that are kept
 SPAN = 300.0  # s
 SHOWN = 5  # fallbacks
 SETTLED = 0.5  # s, how long after a change its reason may still come
@@ -148,7 +83,7 @@ class State(PanelPart):
 
     def add(self) -> None:
         """Begin with nothing."""
-        self._recent = Recent(self.flight, SPAN)
+        self._last = -math.inf  # s, when it was seen last
         self._spells: deque[Spell] = deque(maxlen=MOST)
         self._now = self.gui.add_html("")
         self._folder = self.gui.add_folder("History", order=FOLDED, expand_by_default=False)
@@ -161,11 +96,14 @@ class State(PanelPart):
         Args:
             sight: Of this aircraft.
         """
-        news = self._recent.take(sight)
-        if self._recent.anew:
+        since = self._last
+        if not 0.0 <= sight.time - since <= SPAN:  # as the slider of a record does it
             self._spells.clear()
-        for seen in news:
-            self._note(seen)
+            since = sight.time - SPAN
+        for seen in (*self.flight.past(sight.time - since + MARGIN), sight):
+            if since < seen.time <= sight.time:
+                self._note(seen)
+        self._last = sight.time
         told = fallbacks(self._spells)
         times = sum(fallback.times for fallback in told)
         words = f"{times} fallback{'s' if times > 1 else ''}" if times else "no fallback"

@@ -40,7 +40,7 @@ from uav_tracking_mpc.view.panel._html import (
     table,
 )
 from uav_tracking_mpc.view.panel._steering_part import ParameterPart, SteeringPart, set_slider
-from uav_tracking_mpc.view.panel.state import Recent
+from uav_tracking_mpc.view.panel.readings import columns
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
     RATES,
@@ -319,7 +319,6 @@ class Compare(SteeringPart):
     def add(self) -> None:
         """Add the checkbox."""
         super().add()
-        self._laws: tuple[str, ...] = ()
         with self.folder:
             self._wanted: Any = self.gui.add_checkbox(
                 "classical laws",
@@ -332,7 +331,7 @@ class Compare(SteeringPart):
     def _ask(self, event: Any) -> None:
         if event.client is None:  # this program has set it
             return
-        self.client, self._laws = event.client, ()
+        self.client = event.client
         # As it is when those before it are answered: of two hands the last one counts.
         self.ask("laws beside", lambda: self.steering.compare(self._wanted.value), self._put_back)
 
@@ -350,10 +349,7 @@ class Compare(SteeringPart):
         if not sight.rivals:
             return
         laws = tuple(rival.law for rival in sight.rivals)
-        if laws != self._laws:
-            self._laws = laws
-            self._recent = Recent(self.flight, SPAN, lambda seen: _errors(seen, laws))
-        _, *past = self._recent.columns(sight)
+        _, *past = columns(self.flight, sight, SPAN, lambda seen: _errors(seen, laws))
         rows = [
             (name, number(now, signed=True), number(_rms(each)))
             for name, now, each in zip((OURS, *laws), _errors(sight, laws), past, strict=True)

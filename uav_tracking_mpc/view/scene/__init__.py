@@ -229,12 +229,13 @@ def chevrons(count: int) -> NDArray[np.float64]:
 Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]  # points (n, 3), triangles (m, 3)
 
 
-def turned(stations: ArrayLike, sides: int = 12) -> Mesh:
+def turned(stations: ArrayLike, sides: int = 12, upright: bool = False) -> Mesh:
     """A body of revolution about x.
 
     Args:
         stations: x and radius of each, shape (k, 2), any unit.
         sides: Of its sections.
+        upright: About z instead.
     """
     along, radius = np.asarray(stations, dtype=float).T
     angle = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)
@@ -253,7 +254,7 @@ def turned(stations: ArrayLike, sides: int = 12) -> Mesh:
         a, b, c, d = (ring + sides * row for ring, row in
                       ((here, k), (there, k), (here, k + 1), (there, k + 1)))  # fmt: skip
         rings += [np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)]
-    return points, np.concatenate(rings)
+    return points[:, [1, 2, 0]] if upright else points, np.concatenate(rings)
 
 
 def plate(outline: ArrayLike, thickness: ArrayLike) -> Mesh:

@@ -60,8 +60,8 @@ def sky() -> trimesh.Trimesh:
     """A dome that shines by itself, its origin far below it."""
     elevation = np.radians([0.0, 2.0, 4.0, 6.0, 10.0, 20.0, 40.0, 65.0, 90.0])
     stations = np.stack([np.sin(elevation), np.cos(elevation)], axis=1)
-    points, faces = turned(stations, 48)
-    points = SKY_RADIUS * points[:, [1, 2, 0]] + [0.0, 0.0, BEHIND_ALL]
+    points, faces = turned(stations, 48, upright=True)
+    points = SKY_RADIUS * points + [0.0, 0.0, BEHIND_ALL]
     up = np.repeat(np.degrees(elevation), 48)
     heights = np.linspace(90.0, 0.0, 64)  # of the rows of the picture, from its top
     rows = [np.interp(heights, (0.0, 20.0, 90.0), channel) for channel in SKY.T]

@@ -27,7 +27,6 @@ from uav_tracking_mpc.limits import Ball, Cylinder, Floor, Limit, Shape
 from uav_tracking_mpc.view.scene import (
     GREY,
     LIMIT,
-    Mesh,
     SceneElement,
     centre,
     extent,
@@ -38,6 +37,7 @@ from uav_tracking_mpc.view.scene import (
 )
 from uav_tracking_mpc.view.watched_flight import Sight
 
+WALLS = turned([(0.0, 1.0), (1.0, 1.0)], 48, upright=True)  # of a cylinder of radius and height 1
 WALL = 0.7  # height of walls by the radius of the orbit
 FLOOR = 1.4  # radius of the piece of floor that is drawn, by that of the orbit
 GLOW = 0.25  # by the radius of the orbit: from how far a limit begins to glow
@@ -48,12 +48,6 @@ FOLLOW = 0.05  # by the radius of the orbit: how far its centre goes before the 
 
 
 Move = Callable[[Sight], None]
-
-
-def wall() -> Mesh:
-    """Walls of an upright cylinder of radius and height 1."""
-    points, faces = turned([(0.0, 1.0), (1.0, 1.0)], 48)
-    return points[:, [1, 2, 0]], faces
 
 
 def glow(away: float, size: float) -> float:
@@ -119,7 +113,7 @@ class Limits(SceneElement):
 
     def _add_cylinder(self, place: viser.FrameHandle, shape: Cylinder, label: str) -> Move:
         walls = self.scene.add_mesh_simple(
-            f"{place.name}/wall", *wall(), color=LIMIT, opacity=FAINT_OPACITY, side="double"
+            f"{place.name}/wall", *WALLS, color=LIMIT, opacity=FAINT_OPACITY, side="double"
         )
         rings = np.concatenate([ring(), ring() + np.array([0.0, 0.0, 1.0])])
         rim = self.add_lines(f"{place.name}/lines", rings, LIMIT, 1.5, True)

@@ -39,8 +39,7 @@ CROSS = np.array(
 
 def pin() -> Mesh:
     """A pin that stands on its tip, 1 high."""
-    points, faces = turned([(0.0, 0.0), (0.65, 0.24), (0.85, 0.24), (1.0, 0.0)])
-    return points[:, [1, 2, 0]], faces
+    return turned([(0.0, 0.0), (0.65, 0.24), (0.85, 0.24), (1.0, 0.0)], upright=True)
 
 
 def caption(target: TargetSight) -> str:

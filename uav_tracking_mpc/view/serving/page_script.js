@@ -128,7 +128,7 @@
     window.addEventListener("keydown", (event) => {
       const typing = event.target.closest?.("input, textarea, select, [contenteditable]");
       if (typing || record || event.ctrlKey || event.metaKey || event.altKey) return;
-      const key = event.key.toLowerCase();
+      const key = event.key?.toLowerCase();
       if (key === "h") toggleHud();
       if (key === "l") goLive();
     });
