@@ -81,11 +81,23 @@ def test_the_first_view_of_an_orbit_is_the_same_a_little_beside_it_and_shows_the
     assert np.abs(picture(poses[0], words[None], aspect)).max() < 0.9
 
 
-@pytest.mark.parametrize(("window", "unfolded"), [(1400, True), (1200, True), (1000, False)])
-def test_the_legend_is_unfolded_where_the_orbit_then_stands_beside_it(window, unfolded):
-    opened = types.SimpleNamespace(aspect=2.0, image_width=window)
-    placed = types.SimpleNamespace(aspect=1.4, image_width=window - 344)  # the panel is there
-    assert bool(cameras.covered(opened, 340)) == bool(cameras.covered(placed)) == unfolded
+@pytest.mark.parametrize(
+    ("width", "aspect", "unfolded"),
+    [(1060, 1.4, True), (860, 1.4, True), (660, 1.4, False), (900, 0.5, False)],
+)
+def test_the_legend_is_unfolded_where_the_orbit_then_stands_beside_it(width, aspect, unfolded):
+    assert bool(cameras.covered(width, aspect)) == unfolded
+
+
+def test_a_scene_that_has_room_for_the_legend_leaves_it(page):
+    """Its camera counts the pixels of the screen: a small page may have many."""
+    page.camera.image_width, aside = 3000, []
+    for width in (math.nan, 800.0, 1000.0):
+        seat = cameras.Seat(page, "/world", [page.camera.position])
+        seat.width = width
+        seat.show(("aircraft",), {"aircraft": (FLIGHT, SIGHT)}, None)
+        aside.append(page.camera.look_at[0])
+    assert aside[0] == aside[1] > aside[2]
 
 
 @pytest.mark.parametrize("view", [cameras.ORBIT, cameras.FREE, cameras.ABOVE])
@@ -150,7 +162,7 @@ class StandInPage:
         self.view = types.SimpleNamespace(value=cameras.ORBIT, on_update=lambda called: None)
         self.gui = types.SimpleNamespace(add_dropdown=lambda *_, **__: self.view)
         self.scene = types.SimpleNamespace(add_frame=self._add)
-        self.camera = types.SimpleNamespace(aspect=1.2, image_width=1000, position=np.zeros(3))
+        self.camera = types.SimpleNamespace(aspect=1.2, position=np.zeros(3))
 
     def _add(self, name, **_):
         self.frames[name] = types.SimpleNamespace(name=name, visible=True)
@@ -185,7 +197,7 @@ def test_nothing_of_the_own_aircraft_is_seen_from_the_cockpit(page):
 def test_the_first_view_follows_the_shape_of_the_picture_until_a_hand_moves_it(page):
     """A page tells its shape before its panel stands beside the scene, and again afterwards."""
     seat, camera = cameras.Seat(page, "/world", [np.zeros(3)]), page.camera
-    places = []
+    seat.width, places = 1000.0, []
     for aspect, by_hand in ((1.6, False), (1.3, False), (1.3, False), (1.9, True)):
         camera.aspect = aspect
         camera.position = camera.position + 50.0 * by_hand

@@ -187,9 +187,12 @@ def test_the_shared_scene_is_hidden_while_the_past_is_seen(page, flown):
         return [SimpleNamespace(show=lambda seen: shown.append(seen.time))]
 
     client = SimpleNamespace(
-        client_id=0, scene=server.scene, gui=server.gui, atomic=server.atomic, camera=None
-    )
-    visitor, watched = Visitor(client, WORLD, [], draw), {"aircraft": (flown[0], flown[0].sight)}
+        client_id=0, scene=server.scene, gui=server.gui, atomic=server.atomic,
+        camera=SimpleNamespace(aspect=1.2),
+    )  # fmt: skip
+    legend = SimpleNamespace(expand=lambda: begun.append("legend"), minimize=None)
+    visitor = Visitor(client, WORLD, [], draw, legend)
+    watched = {"aircraft": (flown[0], flown[0].sight)}
     visitor.seat._view.value = "free"
     for visitor.asked in (None, 7.0, 7.0, 20.5, None):
         looks_back = visitor.asked is not None
@@ -199,4 +202,7 @@ def test_the_shared_scene_is_hidden_while_the_past_is_seen(page, flown):
         assert visitor.seat.world.visible is not looks_back
         assert set(visitor.past) == ({"aircraft"} if looks_back else set())
     assert begun == [f"{PAST_WORLD}/aircraft"]
+    for width in (500.0, 900.0, 950.0):  # the legend is unfolded once there is room
+        visitor.told_width(width)
+    assert begun[1:] == ["legend"]
     assert shown == [7.0, 20.0]  # once each: what stands is not sent again

@@ -78,15 +78,15 @@ class Pose(NamedTuple):
     look_at: NDArray[np.float64]
 
 
-def covered(camera: viser.CameraHandle, beside: float = 0.0) -> float:
-    """Share of a picture's width that the legend covers; 0 where it is folded, since it is small.
+def covered(width: float, aspect: float) -> float:
+    """Share of a scene's width that the legend covers; 0 where it is folded, since it is small.
 
     Args:
-        camera: Of the page.
-        beside: Width of the panel that is still to take its place beside the picture, in pixels.
+        width: Of the scene in pixels of the page, of which a screen may have several; nan where it
+            is not known.
+        aspect: That width by the scene's height [-].
     """
-    width = camera.image_width - beside
-    return LEGEND / width if width >= ROOM and camera.aspect >= 1.0 else 0.0
+    return LEGEND / width if width >= ROOM and aspect >= 1.0 else 0.0
 
 
 def first_pose(view: str, watched: Watched, aspect: float, covered: float = 0.0) -> Pose:
@@ -193,6 +193,7 @@ class Seat:
 
     Attributes:
         world: That node as this page sees it.
+        width: Of the scene in pixels of the page; nan until the page has told it.
     """
 
     def __init__(
@@ -204,7 +205,8 @@ class Seat:
         self._names: tuple[str, ...] = ()
         self._chosen: viser.GuiDropdownHandle[str] | None = None
         self._to_place = False  # it stands where all pages begin, or where its address says
-        self._aspect = math.nan  # of the picture for which it was placed
+        self.width = math.nan
+        self._aspect = self._covered = math.nan  # of the picture for which it was placed
         self._orbit_known = False  # when it was placed
         self._placed = np.full(3, math.nan)
         self._began: float | None = None  # s, when the scene was first seen
@@ -243,10 +245,11 @@ class Seat:
         self._show_own(own_node(f"{world.name}/{name}"), view != COCKPIT)
         world.position, world.wxyz = moved.translation(), moved.rotation().wxyz
         camera = self._client.camera
-        if self._to_place or (view == VIEWS[0] and self._is_outdated(sight)):
-            self._to_place, self._aspect = False, camera.aspect
+        share = covered(self.width, camera.aspect)
+        if self._to_place or (view == VIEWS[0] and self._is_outdated(sight, share)):
+            self._to_place, self._aspect, self._covered = False, camera.aspect, share
             self._orbit_known = sight.wanted is not None
-            pose = first_pose(view, (flight, sight), camera.aspect, covered(camera))
+            pose = first_pose(view, (flight, sight), camera.aspect, share)
             self._placed = pose.position
             camera.position, camera.look_at = pose
 
@@ -264,14 +267,16 @@ class Seat:
         for own, frame in self._own.items():
             frame.visible = visible or own != node
 
-    def _is_outdated(self, sight: Sight) -> bool:
+    def _is_outdated(self, sight: Sight, share: float) -> bool:
         """Whether the view is for another shape, or for no orbit, and no hand has moved it.
 
         Args:
             sight: Of the aircraft that is looked at.
+            share: That the legend covers [-].
         """
         camera = self._client.camera
-        reshaped = not abs(camera.aspect - self._aspect) < RESHAPED
+        change = abs(camera.aspect - self._aspect) + abs(share - self._covered)
+        reshaped = not change < RESHAPED
         found = sight.wanted is not None and not self._orbit_known
         return (reshaped or found) and any(
             np.allclose(camera.position, place, atol=1.0) for place in (self._placed, *self._firsts)

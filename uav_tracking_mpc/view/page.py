@@ -30,7 +30,6 @@ import viser
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
-from uav_tracking_mpc.view.cameras import covered
 from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, badge, block
 from uav_tracking_mpc.view.scene import GREY, LIMIT, SCENE_ELEMENT, WIND, Colour, SceneElement
@@ -100,8 +99,8 @@ def legend(colour: Colour, recorded: bool = False) -> str:
     )
 
 
-def add_legend(client: viser.ClientHandle, colour: Colour, recorded: bool) -> None:
-    """Put it into the upper left of a page, folded where the page is small.
+def add_legend(client: viser.ClientHandle, colour: Colour, recorded: bool) -> viser.PanelHandle:
+    """Put it into the upper left of a page, folded.
 
     Args:
         client: The page.
@@ -112,8 +111,8 @@ def add_legend(client: viser.ClientHandle, colour: Colour, recorded: bool) -> No
     with panel.add_tab("What you see"):
         client.gui.add_html(legend(colour, recorded))
     panel.float(x=PLACE[0], y=PLACE[1], width=WIDTH)
-    if not covered(client.camera, PANEL_WIDTH):
-        panel.minimize()
+    panel.minimize()
+    return panel
 
 
 logger = logging.getLogger(__name__)
@@ -305,14 +304,13 @@ class Page:
             lambda scene, root, flight: elements_of(
                 scene, flight, self._drawn[flight.name].colour, root
             ),
+            lambda client: add_legend(client, COLOURS[0], source.clock is not None),
         )
         self._server.answers |= {
             NOW: self._visitors.now,
             FLOWN: self._visitors.flown,
             MISSION: self._visitors.mission,
         }
-        recorded = source.clock is not None
-        self._server.on_client_connect(lambda client: add_legend(client, COLOURS[0], recorded))
         self._server.gui.main_panel.dock_right()  # beside the scene and not upon it
         self._server.gui.main_panel.set_width(PANEL_WIDTH)
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft

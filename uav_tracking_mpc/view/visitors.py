@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.view.cameras import FirstView, Seat, Watched
+from uav_tracking_mpc.view.cameras import FirstView, Seat, Watched, covered
 from uav_tracking_mpc.view.flight_history import EXACT, MODES, FlightHistory, legend, row_of, told
 from uav_tracking_mpc.view.panel.mission_file import fly_and_tell
 from uav_tracking_mpc.view.panel.readings import readings
@@ -191,6 +191,7 @@ class Visitor:
         firsts: Where the cameras of pages began, newest last.
         draw: Begins to draw an aircraft: of a scene, the name of a node and a flight; answers what
             draws each of its sights.
+        legend: Its legend, folded.
 
     Attributes:
         seat: From where it looks.
@@ -204,8 +205,9 @@ class Visitor:
         world: str,
         firsts: Sequence[NDArray[np.float64]],
         draw: DrawnBy,
+        legend: viser.PanelHandle,
     ) -> None:
-        self.client, self._draw = client, draw
+        self.client, self._draw, self._legend = client, draw, legend
         self.seat = Seat(client, world, firsts)
         self.asked: float | None = None
         self.past: dict[str, Watched] = {}
@@ -249,6 +251,18 @@ class Visitor:
                     element.show(sight)
         return watched
 
+    def told_width(self, width: float) -> None:
+        """Unfold the legend once there is room for it, and fold it once there is none.
+
+        Args:
+            width: Of the scene in pixels of the page.
+        """
+        aspect = self.client.camera.aspect
+        before, now = (covered(wide, aspect) > 0.0 for wide in (self.seat.width, width))
+        if now is not before:
+            (self._legend.expand if now else self._legend.minimize)()
+        self.seat.width = width
+
     def follow_theme(self, dark: str) -> None:
         """Follow the browser until a hand changes it, and again when the browser changes.
 
@@ -267,10 +281,16 @@ class Visitors:
         source: What is shown.
         world: Name of the node under which the shared scene hangs.
         draw: Begins to draw an aircraft anew, see :class:`Visitor`.
+        add_legend: To a page, folded.
     """
 
     def __init__(
-        self, server: viser.ViserServer, source: FlightSource, world: str, draw: DrawnBy
+        self,
+        server: viser.ViserServer,
+        source: FlightSource,
+        world: str,
+        draw: DrawnBy,
+        add_legend: Callable[[viser.ClientHandle], viser.PanelHandle],
     ) -> None:
         self._source, self._first = source, FirstView(server)
         self._server = secrets.token_hex(8)  # a page that was served by another one is old
@@ -280,7 +300,9 @@ class Visitors:
         self._at = math.inf  # s, when the last frame was drawn; the first one may take long
 
         def join(client: viser.ClientHandle) -> None:
-            self._visitors[client.client_id] = Visitor(client, world, self._first.places, draw)
+            panel = add_legend(client)
+            visitor = Visitor(client, world, self._first.places, draw, panel)
+            self._visitors[client.client_id] = visitor
 
         def leave(client: viser.ClientHandle) -> None:
             self._visitors.pop(client.client_id, None)
@@ -310,7 +332,8 @@ class Visitors:
         """What one page shows, and what is wrong.
 
         Args:
-            query: ``page``, its number; ``time``, where it looks back; ``dark``, 1 or 0.
+            query: ``page``, its number; ``time``, where it looks back; ``dark``, 1 or 0; ``wide``,
+                its scene in pixels.
 
         Returns:
             JSON.
@@ -322,6 +345,8 @@ class Visitors:
         if number is not None and visitor is not None:
             visitor.asked = _number(query, "time")
             visitor.follow_theme(query.get("dark", [""])[0])
+            if width := _number(query, "wide"):
+                visitor.told_width(width)
             shown = visitor.past or shown
             view, name = visitor.seat.choice
         clock, live = self._source.clock, watched.get(name)

@@ -228,6 +228,8 @@
     if (tag) query.page = tag.dataset.flightPage;
     if (tag && !begun) foldPanel(tag);
     if (asked !== null) query.time = asked.toFixed(3);
+    const scene = document.querySelector("canvas[data-engine]");
+    if (scene && begun) query.wide = scene.clientWidth;
     try {
       const answer = await ask("flight/now", query);
       server ??= answer.server;
