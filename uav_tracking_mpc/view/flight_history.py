@@ -80,11 +80,9 @@ def weighted_errors(sight: Sight, tracking: TrackingParameters | None) -> list[f
         sight: Of the aircraft.
         tracking: What its controller flies by; None where that is not known.
     """
-    errors = np.array([sight.errors.get(name, math.nan) for name in ERRORS])
-    if tracking is None:
-        return [math.nan] * len(ERRORS)
-    weighted: list[float] = (np.array(tracking.state_weights) * errors**2).tolist()
-    return weighted
+    weights = [math.nan] * len(ERRORS) if tracking is None else tracking.state_weights
+    errors = [sight.errors.get(name, math.nan) for name in ERRORS]
+    return [float(weight * error**2) for weight, error in zip(weights, errors, strict=True)]
 
 
 def row_of(sight: Sight, tracking: TrackingParameters | None) -> list[float | None]:

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
 import math
 import time
@@ -228,10 +229,10 @@ def elements_of(
     """
     root = root or f"{WORLD}/{flight.name}"
 
-    def begin(kind: type[SceneElement]) -> Callable[[Any], SceneElement]:
-        return lambda scene: kind(scene, root, flight, colour)
-
-    return [Guarded(name, scene, begin(kind)) for name, kind in SCENE_ELEMENT.all().items()]
+    return [
+        Guarded(name, scene, functools.partial(kind, root=root, flight=flight, colour=colour))
+        for name, kind in SCENE_ELEMENT.all().items()
+    ]
 
 
 class _Drawn:
@@ -245,25 +246,24 @@ class _Drawn:
         flight: WatchedFlight,
         colour: Colour,
     ) -> None:
-        self.colour, self._flight, self._tab = colour, flight, tabs.add_tab(flight.name)
+        self.colour, self._flight, self._source = colour, flight, source
+        self._tab = tabs.add_tab(flight.name)
         with self._tab:
             back = "live" if source.clock is None else "replay"
             server.gui.add_html(NOW_TAG.format(back), order=-2e6)
             self._failures = server.gui.add_html("", order=-1e6, visible=False)  # above all parts
 
-        def begin_part(kind: type[PanelPart]) -> Callable[[Any], PanelPart | None]:
-            def begin(gui: Any) -> PanelPart | None:
-                if not kind.fits(flight, source):
-                    return None
-                with self._tab:
-                    return kind(gui, flight, source)
-
-            return begin
-
         kinds = sorted(PANEL_PART.all().items(), key=lambda item: item[1].order)
         self._shown = elements_of(server.scene, flight, colour) + [
-            Guarded(name, server.gui, begin_part(kind), kind.period) for name, kind in kinds
+            Guarded(name, server.gui, functools.partial(self._begin, kind), kind.period)
+            for name, kind in kinds
         ]
+
+    def _begin(self, kind: type[PanelPart], gui: Any) -> PanelPart | None:
+        if not kind.fits(self._flight, self._source):
+            return None
+        with self._tab:
+            return kind(gui, self._flight, self._source)
 
     def show(self, now: float) -> Sight | None:
         sight = self._flight.sight

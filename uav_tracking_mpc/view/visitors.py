@@ -22,10 +22,9 @@ from __future__ import annotations
 import json
 import math
 import secrets
-import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import viser
@@ -157,18 +156,7 @@ class PastFlight(WatchedFlight):
         return self._history.between(self.sight.time - span, self.sight.time)
 
 
-class Element(Protocol):
-    """Draws an aircraft, or a part of it."""
-
-    def show(self, sight: Sight) -> None:
-        """Draw it.
-
-        Args:
-            sight: Of the aircraft.
-        """
-
-
-DrawnBy = Callable[[viser.SceneApi, str, WatchedFlight], Sequence[Element]]
+DrawnBy = Callable[[viser.SceneApi, str, WatchedFlight], Sequence[Any]]  # as of page.elements_of
 Flown = Mapping[str, tuple[WatchedFlight, FlightHistory]]
 
 
@@ -212,7 +200,7 @@ class Visitor:
         self.asked: float | None = None
         self.past: dict[str, Watched] = {}
         self._shown: float | None = None  # time that the scene of the past shows
-        self._drawn: dict[str, tuple[PastFlight, Sequence[Element]]] = {}
+        self._drawn: dict[str, tuple[PastFlight, Sequence[Any]]] = {}
         self._frame = client.scene.add_frame(PAST_WORLD, show_axes=False, visible=False)
         self._asks_for_dark: bool | None = None  # before its browser has said so
         self._dark: Any = client.gui.add_checkbox("Dark", False, order=LAST)
@@ -395,8 +383,7 @@ class Visitors:
         steering = self._flown[name][0].steering if name in self._flown else None
         if visitor is None or steering is None:
             return json.dumps({"refused": "this flight cannot be steered"})
-        asked = visitor.client, steering, text.encode()
-        threading.Thread(target=fly_and_tell, args=asked, daemon=True).start()
+        fly_and_tell(visitor.client, steering, text.encode())
         return "{}"
 
 

@@ -18,11 +18,17 @@ import html
 import re
 from urllib.parse import parse_qs, urlsplit
 
-from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering
+from processes import wait_for
+from watched_flight_stand_in import StandInClient, StandInFlight, StandInSource, StandInSteering
 
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.view.panel import PANEL_PART
-from uav_tracking_mpc.view.panel.mission_file import MissionFile, fly_mission, mission_of
+from uav_tracking_mpc.view.panel.mission_file import (
+    MissionFile,
+    fly_and_tell,
+    fly_mission,
+    mission_of,
+)
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET
 
 
@@ -85,6 +91,15 @@ def test_what_is_flown_although_something_is_refused_is_told():
         "the orbit is too small; what it says of target_publisher and uav_simulator is flown"
     )
     assert tuple(steering.values[SIMULATOR]["wind"]) == (3.0, -4.0, 0.0)
+
+
+def test_the_page_is_told_what_a_node_raises():
+    steering, client = StandInSteering(), StandInClient()
+    steering.failure = RuntimeError("the plant is gone")
+    fly_and_tell(client, steering, mission_of(steered(), "one").encode())
+    assert wait_for(lambda: client.notifications)
+    ((title, words),) = client.notifications
+    assert "is refused" in title and words == "RuntimeError: the plant is gone"
 
 
 def test_a_link_holds_it_and_no_token(panel, flight):

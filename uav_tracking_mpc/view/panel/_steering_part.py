@@ -199,21 +199,15 @@ class SteeringPart(PanelPart):
         buttons = self.gui.add_button_group(label, tuple(requests), hint=hint or None)
 
         def clicked(event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
-            chosen = event.target.value
-
-            def answered(refusal: str) -> None:
-                if not refusal:
-                    begun(chosen)
-
-            self.client = event.client
+            chosen, self.client = event.target.value, event.client
             if chosen in requests and not self.asking:
-                self.ask(chosen, requests[chosen], answered)
+                self.ask(chosen, requests[chosen], lambda refusal: refusal or begun(chosen))
 
         buttons.on_click(clicked)
         return buttons
 
     def ask(
-        self, what: str, request: Callable[[], str], then: Callable[[str], None], under: Any = None
+        self, what: str, request: Callable[[], str], then: Callable[[str], Any], under: Any = None
     ) -> None:
         """Make a request; buttons do nothing until it is answered.
 

@@ -33,6 +33,7 @@ from uav_tracking_mpc.settings.configuration import (
 from uav_tracking_mpc.simulation.plants import PACE
 from uav_tracking_mpc.view.panel import FOLDED, PanelPart
 from uav_tracking_mpc.view.panel._html import block
+from uav_tracking_mpc.view.panel._steering_part import requests_of
 from uav_tracking_mpc.view.simulated_steering import ORBIT
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
@@ -115,19 +116,24 @@ def _plain(value: Any) -> Any:
 
 
 def fly_and_tell(client: viser.ClientHandle, steering: Steering, content: bytes) -> None:
-    """Steer a flight as a scenario file says, and tell a page what came of it.
+    """Steer a flight as a scenario file says, and tell a page what comes of it; does not wait.
 
     Args:
         client: The page.
         steering: Of the flight.
         content: Of the file.
     """
-    refusal = fly_mission(steering, content)
-    client.add_notification(
-        "The mission is refused, or some of it" if refusal else "The mission is flown from now on",
-        refusal,
-        color="red" if refusal else "green",
-    )
+
+    def told(refusal: str, _: str) -> None:
+        client.add_notification(
+            "The mission is refused, or some of it"
+            if refusal
+            else "The mission is flown from now on",
+            refusal,
+            color="red" if refusal else "green",
+        )
+
+    requests_of(steering).begin(lambda: fly_mission(steering, content), told)
 
 
 class MissionFile(PanelPart):

@@ -162,10 +162,7 @@ class SimulatedTime(ParameterPart):
     title, node, section = "Simulated time", SIMULATOR, SimulatorParameters
     order = 50.0
 
-    def add(self) -> None:
-        """Add the folder and wait for the parameters."""
-        super().add()
-        self._time, self._since = math.nan, time.monotonic()
+    _time, _since = math.nan, 0.0  # of the last new state: of the flight, and of the wall [s]
 
     def build(self, known: Mapping[str, Any]) -> None:
         """See :meth:`ParameterPart.build`."""

@@ -175,18 +175,6 @@ WIND: Colour = (86, 180, 233)
 LIMIT: Colour = (213, 94, 0)
 
 
-def paint(colour: Colour) -> NDArray[np.uint8]:
-    """A colour for lines, points and arrows.
-
-    Args:
-        colour: Red, green, blue from 0 to 255.
-
-    Returns:
-        Shape (3,).
-    """
-    return np.array(colour, dtype=np.uint8)
-
-
 SEGMENTS = 96
 
 

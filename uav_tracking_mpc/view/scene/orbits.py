@@ -28,7 +28,7 @@ from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import quaternion_from_euler
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.report.mode_colours import mode_colour
-from uav_tracking_mpc.view.scene import SceneElement, chevrons, extent, finite, joined, paint, ring
+from uav_tracking_mpc.view.scene import SceneElement, chevrons, extent, finite, joined, ring
 from uav_tracking_mpc.view.scene.airframe import SHARE, fuselage, wings
 from uav_tracking_mpc.view.watched_flight import Sight
 
@@ -67,7 +67,7 @@ class Orbits(SceneElement):
         """
         _place(self._wanted, sight.wanted)
         _place(self._flown, None if _same(sight.wanted, sight.flown) else sight.flown)
-        self._flown.colors = paint(mode_colour(sight.mode))
+        self._flown.colors = np.array(mode_colour(sight.mode), dtype=np.uint8)
 
 
 def _same(one: FlownOrbit | None, other: FlownOrbit | None) -> bool:
@@ -131,7 +131,8 @@ class Plan(SceneElement):
             self._line.points = _segments(plan.astype(np.float32))
             places, turns = ghosts(plan, _speed(sight))
             self._ghosts.batched_positions, self._ghosts.batched_wxyzs = places, turns
-        self._line.colors = self._ghosts.batched_colors = paint(mode_colour(sight.mode))
+        colour = np.array(mode_colour(sight.mode), dtype=np.uint8)
+        self._line.colors = self._ghosts.batched_colors = colour
         size = GHOST_SHARE * extent(self.flight, sight)
         self._ghosts.batched_scales = np.full(len(GHOSTS), size, dtype=np.float32)
 

@@ -25,7 +25,16 @@ import viser
 import viser.transforms as rigid
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.view.scene import GREY, Mesh, SceneElement, extent, finite, ring, turned
+from uav_tracking_mpc.view.scene import (
+    GREY,
+    Mesh,
+    SceneElement,
+    extent,
+    finite,
+    joined,
+    ring,
+    turned,
+)
 from uav_tracking_mpc.view.watched_flight import TARGET, Sight, TargetSight
 
 SHARE = 0.14  # height of the pin by the radius of the orbit
@@ -182,22 +191,9 @@ def meets_height(
 
 def handle() -> Mesh:
     """A flat ring of radius 0.7 with four arrow heads that end at 1."""
-    angle = np.linspace(0.0, 2.0 * np.pi, 49)
-    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
-    here = np.arange(48)
-    inner, outer = 2 * here, 2 * here + 1
-    faces = [
-        np.stack([inner, outer, outer + 2], axis=1),
-        np.stack([inner, outer + 2, inner + 2], axis=1),
-    ]
-    points: list[NDArray[np.float64]] = [
-        np.stack([0.55 * circle, 0.7 * circle], axis=1).reshape(-1, 3)
-    ]
-    for k in range(4):
-        turn = rigid.SO3.from_z_radians(0.5 * math.pi * k)
-        points.append(np.array(turn.apply(HEAD), dtype=float))
-        faces.append(np.array([[0, 1, 2]]) + 98 + 3 * k)
-    return np.concatenate(points), np.concatenate(faces)
+    ways = [rigid.SO3.from_z_radians(0.5 * math.pi * k) for k in range(4)]
+    heads = [(np.array(way.apply(HEAD), dtype=float), np.array([[0, 1, 2]])) for way in ways]
+    return joined(turned([(0.0, 0.55), (0.0, 0.7)], 48, upright=True), *heads)
 
 
 class TargetDrag(SceneElement):
@@ -241,7 +237,8 @@ class TargetDrag(SceneElement):
         known = sight.target is not None and finite(sight.target.position)
         self._target = sight.target.position if sight.target is not None and known else None
         self._size = extent(self.flight, sight)
-        if self._pin is None and self._steerable:
+        steering = self.flight.steering
+        if self._pin is None and steering is not None and TARGET in steering.nodes:
             pin_there = self.scene.get_handle_by_name(f"{self.root}/target/pin")
             if isinstance(pin_there, viser.MeshHandle):
                 self._pin = pin_there
@@ -254,11 +251,6 @@ class TargetDrag(SceneElement):
             self._handle.scale = radius
             self._handle.position = np.add(self._target, (0.0, 0.0, RAISED * radius))
             self._hint.position = np.subtract(self._target, (0.0, 1.1 * radius, 0.0))
-
-    @property
-    def _steerable(self) -> bool:
-        steering = self.flight.steering
-        return steering is not None and TARGET in steering.nodes
 
     async def _dragged(self, event: Any) -> None:
         """Called in order on the loop of the server, so that it must not block."""
@@ -295,11 +287,9 @@ class TargetDrag(SceneElement):
 
     def _send(self, client: viser.ClientHandle, place: NDArray[np.float64]) -> None:
         steering = self.flight.steering
-        if steering is None or not self._steerable:
-            refusal = "nobody steers it"
-        else:
-            refusal = steering.send_target(float(place[0]), float(place[1]))
-            self._sent = self._sent or not refusal
+        assert steering is not None, "nobody drags it before there is one"
+        refusal = steering.send_target(float(place[0]), float(place[1]))
+        self._sent = self._sent or not refusal
         if refusal:
             client.add_notification(
                 "The target cannot go there", refusal, color="red", auto_close_seconds=NOTICE

@@ -80,6 +80,8 @@ class Access:
 
     def __init__(self, token: str, names: Collection[str] = ()) -> None:
         self._token = token
+        # Cookies are shared by all ports of a host: each server has a name of its own for its one.
+        self._cookie_name = f"uav_tracking_{hashlib.sha256(token.encode()).hexdigest()[:8]}"
         self._names = {"localhost", *(name.lower() for name in names)}
 
     def refusal(
@@ -114,11 +116,6 @@ class Access:
     def cookie(self) -> str:
         """Value of ``Set-Cookie`` by which a browser keeps the token; scripts cannot read it."""
         return f"{self._cookie_name}={self._token}; Path=/; HttpOnly; SameSite=Strict"
-
-    @property
-    def _cookie_name(self) -> str:
-        # Cookies are shared by all ports of a host: each server has a name of its own for its one.
-        return f"uav_tracking_{hashlib.sha256(self._token.encode()).hexdigest()[:8]}"
 
     def _in_cookies(self, cookies: Sequence[str]) -> bool:
         # Those of all programs on this host come along; a reader of cookies would refuse them all
