@@ -106,9 +106,7 @@ def row_of(sight: Sight, tracking: TrackingParameters | None) -> list[float | No
 
 
 def _level(mode: FallbackMode | None) -> int:
-    if mode is FallbackMode.SILENCE:
-        return 2
-    return int(mode is not None and not mode.nominal)
+    return 2 if mode is FallbackMode.SILENCE else int(mode is not None and not mode.nominal)
 
 
 class FlightHistory:

@@ -57,7 +57,6 @@ LATE_REPORT = 2.5  # s after which a node may no longer be as it said: it report
 GONE = 5.0  # s after which a node counts as silent
 ROOT = "uav"  # name of the aircraft without a namespace
 PAST_SPAN = 300.0  # s of the flight's clock
-STATUS_PERIOD = 0.5  # s of wall time
 ENGAGE = f"{CONTROLLER}/engage"
 PAUSE = f"{SIMULATOR}/pause"
 RESET = f"{SIMULATOR}/reset"
@@ -260,8 +259,6 @@ class LiveFlight(FlownFlight):
         self._heard, self._parameters = watcher.aircraft[namespace], watcher.parameters[namespace]
         self.steering = RosSteering(watcher, namespace)
         self._sight: Sight | None = None
-        self._statuses: tuple[NodeStatus, ...] = ()
-        self._status_due = 0.0  # steady [s]
         self._lock = threading.Lock()
 
     @property
@@ -269,10 +266,8 @@ class LiveFlight(FlownFlight):
         """What there is to see now; None before the first state."""
         with self._lock:
             now = time.monotonic()
-            if now >= self._status_due:
-                self._status_due = now + STATUS_PERIOD
-                self._statuses = node_statuses(self._heard, now)
-            self._sight = live_sight(self._heard, self._sight, self._statuses, now)
+            statuses = node_statuses(self._heard, now)
+            self._sight = live_sight(self._heard, self._sight, statuses, now)
             if self._sight is not None:  # kept a few times a second
                 self.keep(self._sight)
             return self._sight

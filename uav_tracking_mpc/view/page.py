@@ -228,10 +228,10 @@ def elements_of(
         root: Name of the node under which it hangs; by default it is one of the shared scene.
     """
     root = root or f"{WORLD}/{flight.name}"
-
+    kinds: dict[str, Callable[..., SceneElement]] = {**SCENE_ELEMENT.all()}
     return [
         Guarded(name, scene, functools.partial(kind, root=root, flight=flight, colour=colour))
-        for name, kind in SCENE_ELEMENT.all().items()
+        for name, kind in kinds.items()
     ]
 
 

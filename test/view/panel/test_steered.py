@@ -323,22 +323,17 @@ def test_wind_is_told_by_where_it_comes_from(blows_to, speed, azimuth):
     assert from_where(blows_to) == pytest.approx((speed, azimuth), abs=1e-3)
 
 
-def test_without_wind_its_direction_waits_for_some(wind, flight):
-    wind.by_hand("from [deg]", 270.0)
-    wind.by_hand("wind [m/s]", 0.0)
-    wind.until(lambda: flight.steering.values[SIMULATOR]["wind"] == (0.0, 0.0, 0.5))
+@pytest.mark.parametrize(("azimuth", "speed"), [(270.0, 0.0), (360.0, 5.0)])
+def test_a_direction_stays_where_the_wind_has_none_and_at_the_northern_end(
+    wind, flight, azimuth, speed
+):
+    wind.by_hand("from [deg]", azimuth)
+    wind.by_hand("wind [m/s]", speed)
+    wind.until(lambda: flight.steering.values[SIMULATOR]["wind"] == (0.0, -speed + 0.0, 0.5))
     wind.until(lambda: "asking" not in wind.text)
     wind.part._touched = float("-inf")  # nobody has touched it for long
     wind.show()
-    assert wind.widget("from [deg]").value == 270.0
-
-
-def test_a_slider_at_its_northern_end_stays_there(wind, flight):
-    wind.by_hand("from [deg]", 360.0)
-    wind.until(lambda: flight.steering.asked and "asking" not in wind.text)
-    wind.part._touched = float("-inf")
-    wind.show()
-    assert wind.widget("from [deg]").value == 360.0
+    assert wind.widget("from [deg]").value == azimuth
 
 
 @pytest.mark.parametrize("number", [float("nan"), float("inf"), float("-inf")])

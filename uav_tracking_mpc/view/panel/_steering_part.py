@@ -186,7 +186,7 @@ class SteeringPart(PanelPart):
         label: str,
         requests: Mapping[str, Callable[[], str]],
         hint: str,
-        begun: Callable[[str], None] = lambda chosen: None,
+        begun: Callable[[str], Any] = lambda chosen: None,
     ) -> viser.GuiButtonGroupHandle:
         """Add a row of buttons that make requests; they do nothing while one is under way.
 

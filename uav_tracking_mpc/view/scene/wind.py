@@ -145,15 +145,15 @@ def arrows(sight: Sight) -> NDArray[np.float64]:
         sight: Of the aircraft, finite.
 
     Returns:
-        Shape (n, 2, 3): over ground, and where there is a drift, through the air and the drift from
-        the tip of that to the tip of the first.
+        Shape (3, 2, 3): over ground, through the air, and the drift from the tip of that to the tip
+        of the first; the last two are hidden where there is none.
     """
     speed = max(sight.airspeed, 1.0)
     ground = sight.ground_velocity / speed
     air = np.array(air_velocity(sight.heading, sight.path_angle, sight.airspeed, math)) / speed
     origin = np.zeros(3)
     if float(np.linalg.norm(ground - air)) < DRIFT_LEAST:
-        return np.array([[origin, ground]])
+        return np.array([[origin, ground], HIDDEN, HIDDEN])
     return np.array([[origin, ground], [origin, air], [air, ground]])
 
 
@@ -188,8 +188,6 @@ class Velocities(SceneElement):
         if not self._arrows.visible:
             return
         self._arrows.scale = LENGTH * extent(self.flight, sight)
-        now = np.tile(HIDDEN, (3, 1, 1))
-        known = arrows(sight)
-        now[: len(known)] = known
+        now = arrows(sight)
         if np.abs(now - self._drawn).max() >= LEAST_CHANGE:
             self._drawn, self._arrows.points = now, now.astype(np.float32)
