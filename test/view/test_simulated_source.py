@@ -17,6 +17,7 @@
 import math
 import sys
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -149,6 +150,14 @@ def test_a_plant_that_fails_stands_until_it_is_reset():
     assert simulation.loop.time == time
     assert simulation.ask(simulation.steering.reset) == ""
     assert simulation.fly(5.0)[-1].mode is FallbackMode.GUIDANCE_LAW
+
+
+def test_a_plant_that_fails_before_there_is_something_to_see_says_so():
+    simulation = SteppedSimulation(LAW)
+    simulation.loop.plant.state[2] = np.nan
+    simulation.wait(1.0)
+    words = SimulatedSource.words.fget(SimpleNamespace(_flight=simulation.flight))
+    assert "the plant failed: at 0 s the plant's position is" in words
 
 
 def test_the_thread_flies_answers_and_ends():

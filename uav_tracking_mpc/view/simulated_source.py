@@ -228,6 +228,7 @@ class SimulatedFlight(FlownFlight):
         requests: What is asked for by other threads.
         steering: Of this flight.
         name: Of the configuration.
+        trouble: Why there is nothing to see, in words.
 
     Raises:
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
@@ -236,6 +237,7 @@ class SimulatedFlight(FlownFlight):
 
     steering: SimulatedSteering
     sight: Sight | None = None
+    trouble = ""
 
     def __init__(
         self, configuration: Configuration, clock: PlayClock, witness: Witness | None = None
@@ -296,10 +298,12 @@ class SimulatedFlight(FlownFlight):
         self.sight = replace(sight, rivals=self.sight.rivals)
 
     def _fail(self, words: str) -> None:
-        self._failed = self.loop.plant
-        if self.sight is not None:
+        self._failed, words = self.loop.plant, f"the plant failed: {words}"
+        if self.sight is None:
+            self.trouble = words
+        else:
             others = [each for each in self.sight.statuses if each.node != SIMULATOR]
-            failed = NodeStatus(SIMULATOR, ERROR, f"the plant failed: {words}")
+            failed = NodeStatus(SIMULATOR, ERROR, words)
             self.sight = replace(self.sight, statuses=(failed, *others))
 
 
@@ -326,6 +330,11 @@ class SimulatedSource(FlightSource):
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._fly, name="simulation", daemon=True)
         self._thread.start()
+
+    @property
+    def words(self) -> str:
+        """Why there is nothing to see; empty once there was something."""
+        return "" if self._flight.sight else self._flight.trouble
 
     def flights(self) -> Sequence[SimulatedFlight]:
         """The one."""
