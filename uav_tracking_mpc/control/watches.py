@@ -253,16 +253,21 @@ class AirspeedMargin:
     measured and they contradict it, the margin is what they contradict it by.
 
     Args:
+        asked: What the user wants.
         events: Where to tell.
     """
 
-    def __init__(self, events: EventLog) -> None:
+    def __init__(self, asked: TrackingParameters, events: EventLog) -> None:
         self._events, self._told = events, False
-        self.forget()
+        self.forget(asked)
 
-    def forget(self) -> None:
-        """Begin without a margin: other parameters are flown by."""
-        self._margins = [0.0, 0.0]
+    def forget(self, asked: TrackingParameters) -> None:
+        """Begin without a margin: other parameters are flown by.
+
+        Args:
+            asked: Those.
+        """
+        self._asked, self._margins = asked, [0.0, 0.0]
 
     def flown(
         self, asked: TrackingParameters, deviation: float, doubts: tuple[float, float] = (0.0, 0.0)
@@ -288,9 +293,9 @@ class AirspeedMargin:
             same = abs(wanted - before) < MARGIN_STEP and (wanted > 0.0) == (before > 0.0)
             margins.append(before if same else wanted)
         unsure = any(margins)
-        if (margins, unsure) == (self._margins, self._told):
+        if asked is self._asked and (margins, unsure) == (self._margins, self._told):
             return None
-        self._margins = margins
+        self._asked, self._margins = asked, margins
         flown = kept_away(asked, *margins) if unsure else asked
         if self._told != unsure:
             self._told = unsure

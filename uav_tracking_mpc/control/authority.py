@@ -1,0 +1,246 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""Bank and force that the aircraft gives at most, where that is less than was told.
+
+An autopilot may limit the bank more than the controller knows, and an engine may fail. Plans that
+count on what is not there end in a limit cycle or below the stall speed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from uav_tracking_mpc.control.event import EventLog, Level
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
+from uav_tracking_mpc.dynamics.vehicle import air_velocity, followed
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.parameters.specification import ParameterError, changed
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+LONGEST_GAP = 0.5  # s between two commands; after a longer one it begins anew
+SHORTEST, LONGEST = 2.0, 5.0  # s, of a span
+AT_LIMIT = 0.9  # -, share of what was told that counts as all of it
+LEAST_GAIN = 0.4  # -, of a channel that follows
+RISE = 5.0  # -, times the tolerance, by which more must be asked for
+LEVEL = 0.25  # m/s^2, of force that is always counted on: without it no level orbit is left
+
+
+class Scale(NamedTuple):
+    """By how much a ceiling shows.
+
+    Attributes:
+        missing: What is asked for and not given, integrated, in the quantity's unit times [s].
+        same: Tolerance of what is given, in the quantity's unit.
+        more: By how much more than the ceiling may be asked for, likewise: more than ``same``
+            beside what plans keep back.
+    """
+
+    missing: float
+    same: float
+    more: float
+
+
+BANK = Scale(0.14, 0.02, 0.05)  # rad s, rad, rad
+FORCE = Scale(1.5, 0.25, 0.6)  # m/s, m/s^2, m/s^2
+
+
+class _Span(NamedTuple):
+    asked: float  # mean, in the quantity's unit
+    given: float
+    lacks: bool  # whether so much less was given
+
+
+class Ceiling:
+    """The most of a quantity that is given.
+
+    It shows in two spans of time, in both of which less is given than asked for: by so much that no
+    gain explains it; or in the second as much as in the first, although more is asked for than in
+    the first, or all that was told. If more is given after all, it rises.
+
+    Args:
+        scale: Of the quantity.
+
+    Attributes:
+        most: The ceiling in the quantity's unit; inf while there is none.
+    """
+
+    def __init__(self, scale: Scale) -> None:
+        self._scale = scale
+        self.most = math.inf
+        self.interrupt()
+
+    def interrupt(self) -> None:
+        """Begin a new span: what was before says nothing of what comes."""
+        self._time = self._followed = math.nan
+        self._before: _Span | None = None
+        self._sums = np.zeros(4)  # of 1, of what is asked for, and of what is given, twice
+
+    def see(
+        self, time: float, asked: float, given: tuple[float, float], told: float, delay: float
+    ) -> bool:
+        """Take in a sample.
+
+        Args:
+            time: In [s].
+            asked: What is commanded from now on, in the quantity's unit.
+            given: Mean since the sample before, likewise, as measured in two ways, of which that
+                with the greater mean of a span counts.
+            told: The most that was told.
+            delay: Lag plus dead time in [s].
+
+        Returns:
+            Whether the ceiling has changed.
+        """
+        elapsed = time - self._time
+        if not 0.0 < elapsed <= LONGEST_GAP:
+            self.interrupt()
+            self._time, self._followed = time, asked
+            return False
+        self._followed += followed(elapsed, delay) * (asked - self._followed)
+        self._time = time
+        self._sums += elapsed * np.array([1.0, self._followed, *given])
+        lasted, wanted, *had = self._sums.tolist()
+        lacks = wanted - max(had) >= self._scale.missing
+        if lasted < (SHORTEST if lacks else LONGEST):
+            return False
+        before, now = self._before, _Span(wanted / lasted, max(had) / lasted, lacks)
+        self._sums = np.zeros(4)
+        found = before is not None and self._judge(before, now, told)
+        if found or before is None or not self._goes_on(before, now):
+            self._before = now
+        return found
+
+    def _goes_on(self, before: _Span, now: _Span) -> bool:
+        """Whether less was given than asked for in both spans, and the same."""
+        return before.lacks and now.lacks and abs(now.given - before.given) <= self._scale.same
+
+    def _judge(self, before: _Span, now: _Span, told: float) -> bool:
+        """Whether two spans change the ceiling."""
+        _, same, more = self._scale
+        if now.given > self.most + same:
+            self.most = now.given + more
+            if self.most + more >= told:
+                self.most = math.inf
+            return True
+        spans = before, now
+        beyond = all(
+            span.lacks and span.asked > max(0.0, span.given / LEAST_GAIN) for span in spans
+        )
+        pushed = now.asked > min(before.asked + RISE * same, AT_LIMIT * told)
+        shows = beyond or (pushed and self._goes_on(before, now))
+        if not shows or abs(now.given - self.most) <= same:
+            return False
+        self.most = now.given
+        return True
+
+
+class Authority:
+    """Finds both ceilings and tells them.
+
+    Args:
+        events: Where to tell.
+    """
+
+    def __init__(self, events: EventLog) -> None:
+        self._events = events
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was found: another aircraft, or one of which something else was told."""
+        self._bank, self._force, self._side = Ceiling(BANK), Ceiling(FORCE), 0.0
+        self._time, self._airspeed, self._ground = -math.inf, 0.0, np.zeros(3)
+        self._told = ["", ""]
+
+    def interrupt(self) -> None:
+        """Keep what was found, but begin anew to look."""
+        self._bank.interrupt()
+        self._force.interrupt()
+
+    def see(
+        self,
+        measurement: Measurement,
+        air: Sequence[float],
+        inputs: Sequence[float],
+        told: TrackingParameters,
+        delays: Sequence[float],
+    ) -> bool:
+        """Take in a measurement and the command that answers it.
+
+        Args:
+            measurement: Of the aircraft.
+            air: (psi, chi, v) of the velocity through the air, shape (3,), in [rad] and [m/s].
+            inputs: (u_psi, u_chi, u_v), shape (3,), in [rad/s] and [m/s^2].
+            told: With the limits that were told.
+            delays: Lag plus dead time of each channel in [s].
+
+        Returns:
+            Whether a ceiling has changed.
+        """
+        (heading, path_angle, airspeed), time = air, measurement.stamp
+        side = math.copysign(1.0, inputs[0])
+        if side != self._side:
+            self._bank.interrupt()
+            self._side = side
+        turns = inputs[0], measurement.turn_rate
+        asked, given = (-side * float(bank_from_turn_rate(rate, airspeed)) for rate in turns)
+        found = self._bank.see(time, asked, (given, given), told.bank_max, delays[0])
+        # By the velocity over ground as well, for a gust changes the airspeed at once.
+        along = np.array(air_velocity(heading, path_angle, 1.0, math))
+        over_ground = float((measurement.ground_velocity - self._ground) @ along)
+        gained, elapsed = airspeed - self._airspeed, time - self._time
+        self._time, self._airspeed, self._ground = time, airspeed, measurement.ground_velocity
+        if told.vehicle.commanded > 2 and elapsed > 0.0:
+            weight = GRAVITY * math.sin(path_angle)
+            _, most = told.envelope.force_limits(airspeed)
+            force = gained / elapsed + weight, over_ground / elapsed + weight
+            found |= self._force.see(time, inputs[2] + weight, force, most, delays[2])
+        return found
+
+    def within(self, asked: TrackingParameters) -> TrackingParameters:
+        """Parameters whose limits are no more than the ceilings, where that leaves the orbit.
+
+        Args:
+            asked: What the user wants.
+        """
+        bank, force = self._bank.most, self._force.most
+        least = max(force + FORCE.more, LEVEL)
+        limits = {
+            "bank_max": (bank, min(asked.bank_max, bank + BANK.more)),
+            "force_max": (force, tuple(min(each, least) for each in asked.force_max)),
+        }
+        words = (
+            f"the aircraft banks by {math.degrees(bank):.0f} deg at most, less than bank_max",
+            f"the aircraft gives {force:.1f} m/s^2 of force_max at most: does the engine run?",
+        )
+        for index, (name, (most, value)) in enumerate(limits.items()):
+            refused = ""
+            try:
+                asked = changed(asked, {name: value})
+            except ParameterError as error:
+                refused = f"; plans count on more, for {error}"
+            self._tell(index, "" if math.isinf(most) else f"{words[index]}{refused}", name)
+        return asked
+
+    def _tell(self, index: int, words: str, name: str) -> None:
+        """Tell a ceiling once, and its end."""
+        if words and not self._told[index]:
+            self._events.add(Level.WARNING, words)
+        elif self._told[index] and not words:
+            self._events.add(Level.INFO, f"the aircraft gives all of {name} again")
+        self._told[index] = words
