@@ -318,7 +318,8 @@ class EstimationParameters(Parameters):
 
     response_estimation: bool = parameter(
         False,
-        "Estimate lag, dead time and gain in flight and fly by them; needs the artificial orbit.",
+        "Estimate lag, dead time and gain in flight, and bank and force where the aircraft gives "
+        "less than was told, and fly by them; needs the artificial orbit.",
     )
     excitation: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
