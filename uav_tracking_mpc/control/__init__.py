@@ -23,6 +23,7 @@
 ``command``          what the controller answers
 ``commanded_path``   where a plan or a command leads
 ``adaptation``       flies by the response that the aircraft shows
+``authority``        finds bank and force that the aircraft does not give
 ``softening``        makes a loop slower that swings, until it stops
 ``watches``          tells limit cycles, and another orbit or airspeed than asked for
 ``event``            what it reports

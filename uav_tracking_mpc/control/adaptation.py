@@ -21,6 +21,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.authority import Authority
 from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.softening import Softening
 from uav_tracking_mpc.control.watches import OscillationReport
@@ -57,11 +58,13 @@ class ResponseAdaptation:
         oscillation: Limit cycles of the commands.
         softening: What is done about them.
         flown: What is flown by. What is sent is what is wanted divided by its gains.
+        limited: What was told, with the limits that the aircraft shows.
     """
 
     def __init__(self, parameters: TrackingParameters, events: EventLog) -> None:
         self.oscillation, self.softening = OscillationReport(events), Softening(events)
-        self._airspeed = 0.0
+        self._authority, self.limited = Authority(events), parameters
+        self._air = [0.0] * 3  # psi, chi, v of the measurement
         self._commanded = parameters.vehicle.commanded
         self.estimator = ResponseEstimator(self._commanded)
         self._told = parameters
@@ -98,6 +101,8 @@ class ResponseAdaptation:
         self.estimator.reset()
         self.oscillation.reset()
         self.softening.reset()
+        self._authority.reset()
+        self.limited = self._told
         self._begin()
         return None if _same(before, self.flown) else self.flown
 
@@ -112,6 +117,7 @@ class ResponseAdaptation:
         """Forget commands and times, keep what was learnt."""
         self._seen = self._sent = None
         self.estimator.interrupt()
+        self._authority.interrupt()
         self.oscillation.reset()
         self._time = None
 
@@ -138,6 +144,10 @@ class ResponseAdaptation:
         """
         self.learn()
         before, self._told = self._told, parameters
+        limits = before.bank_max, before.force_max
+        if limits != (parameters.bank_max, parameters.force_max):
+            self._authority.reset()
+        self.limited = self._authority.within(parameters)
         estimating = before.response_estimation, parameters.response_estimation
         if estimating[0] != estimating[1] or not _same(before.response, parameters.response):
             self._begin()
@@ -163,7 +173,7 @@ class ResponseAdaptation:
             airspeed_measured: Whether v is measured.
         """
         self.learn()
-        self._airspeed, self._stamp = float(vehicle[5]), measurement.stamp
+        self._air, self._stamp = vehicle[3:].tolist(), measurement.stamp
         if self._engaged:
             over = self._stamp + TAKING_OVER  # also where time has gone back since
             self._learns_from = over if self._learns_from is None else min(self._learns_from, over)
@@ -199,24 +209,29 @@ class ResponseAdaptation:
         """
         seen, sent = self._seen, self._sent
         self._seen = self._sent = None
+        *_, airspeed = self._air
         if seen is not None and self.enabled:
             measurement, airspeed_measured = seen
             self.estimator.see(
                 measurement.stamp,
                 measurement.turn_rate,
                 measurement.path_angle_rate,
-                self._airspeed if airspeed_measured else None,
-                self._told.envelope.turn_rate_max(self._airspeed),
+                airspeed if airspeed_measured else None,
+                self._told.envelope.turn_rate_max(airspeed),
             )
         if sent is None:
             return
         stamp, delay, plan, step, forced = sent
+        delays = (self.flown.lags + self.flown.dead_times).tolist()
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
+            if seen is not None and airspeed_measured and self._told.law == PREDICTIVE:
+                inputs = (plan[0] * self.flown.gains).tolist()
+                if self._authority.see(measurement, self._air, inputs, self._told, delays):
+                    self.limited = self._authority.within(self._told)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()
-            delays = (self.flown.lags + self.flown.dead_times).tolist()
-            self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays, forced)
+            self.oscillation.see(stamp, rates, airspeed, self.channels, delays, forced)
 
     def soften(self, time: float) -> NDArray[np.float64] | None:
         """Factors of the weights of the inputs' rates from now on, shape (3,), [-].

@@ -229,12 +229,14 @@ class Authority:
             f"the aircraft gives {force:.1f} m/s^2 of force_max at most: does the engine run?",
         )
         for index, (name, (most, value)) in enumerate(limits.items()):
-            refused = ""
-            try:
-                asked = changed(asked, {name: value})
-            except ParameterError as error:
-                refused = f"; plans count on more, for {error}"
-            self._tell(index, "" if math.isinf(most) else f"{words[index]}{refused}", name)
+            told = ""
+            if not math.isinf(most):
+                told = words[index]
+                try:
+                    asked = changed(asked, {name: value})
+                except ParameterError as error:
+                    told += f"; plans count on more, for {error}"
+            self._tell(index, told, name)
         return asked
 
     def _tell(self, index: int, words: str, name: str) -> None:

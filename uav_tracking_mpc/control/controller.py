@@ -35,7 +35,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.control.adaptation import ResponseAdaptation
-from uav_tracking_mpc.control.authority import Authority
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.event import EventLog, Level
@@ -118,9 +117,7 @@ class Controller:
         self.response = ResponseAdaptation(parameters, self.events)
         self._plan, self._shortfall = PlanMemory(), OrbitShortfall(self.events)
         self._airspeed = AirspeedWatch(self.events)
-        self._authority = Authority(self.events)
-        self._margin = AirspeedMargin(parameters, self.events)
-        self._limited = self._flown = parameters
+        self._margin, self._flown = AirspeedMargin(parameters, self.events), parameters
         self._shaper = CommandShaper(parameters, self.events)
         self.reset()
         self._choose()
@@ -147,8 +144,6 @@ class Controller:
         if softened and self.formulation is not None:
             self.formulation.soften(self.response.softening.factors)
         self.navigator.reset()
-        self._authority.reset()
-        self._limited = self.parameters
         self._forget()
 
     def _forget(self) -> None:
@@ -156,7 +151,6 @@ class Controller:
         for part in (self.rate, self._shaper, self._plan, self._shortfall, self._airspeed):
             part.reset()
         self.response.interrupt()
-        self._authority.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
         self._direction: str | None = self._direction if self.navigator.claimed else None
@@ -208,8 +202,6 @@ class Controller:
         self.rate.rate, self._gate.timeout = parameters.control_rate, parameters.state_timeout
         self.parameters = parameters
         self._margin.forget(parameters)
-        self._authority.reset()
-        self._limited = parameters
         self._fly_by(parameters, self.response.tell(parameters))
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
         self._advise()
@@ -222,8 +214,8 @@ class Controller:
                 self.formulation.respond(response)
 
     def _keep_margin(self) -> None:
-        """Fly no slower than is safe by what is known of the airspeed."""
-        flown = self._margin.flown(self._limited, *self.navigator.airspeed_uncertainty)
+        """Fly within what the aircraft gives, and no slower than is safe by what is known."""
+        flown = self._margin.flown(self.response.limited, *self.navigator.airspeed_uncertainty)
         if flown is None:
             return
         before = self._flown
@@ -343,11 +335,6 @@ class Controller:
         forced = math.hypot(*target.track.state[2, :2].tolist()) if known else 0.0
         flown = self.response.commanded(stamp, delay, command.inputs, command.step, forced)
         self.navigator.commanded(stamp, delay, flown, command.step)
-        if self.response.enabled and self._law is None and self.navigator.airspeed_known:
-            delays = [self.response.delay(axis) for axis in range(3)]
-            known = measurement, vehicle[3:].tolist(), flown[0].tolist()
-            if self._authority.see(*known, self.parameters, delays):
-                self._limited = self._authority.within(self.parameters)
         self.flying = True
         self.rate.sent(stamp)
         return command
