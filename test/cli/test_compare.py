@@ -115,8 +115,26 @@ def test_a_law_of_ones_own_flies_beside_the_others(tmp_path, uav_tracking):
         "compare", "--scenario", "still", "--laws", "l1", "--law", f"{path}:Circler",
         "--set", "mission.duration=5", "--output", tmp_path / "out",
     )  # fmt: skip
+    assert "commands that count" not in (tmp_path / "out" / "compare.html").read_text()
     assert list(content["scenarios"]["still"]) == ["l1", "circler"]
     assert (tmp_path / "out" / "still.png").is_file()
+
+
+def test_a_law_that_fails_is_not_what_its_figures_are_of(tmp_path, uav_tracking):
+    path = tmp_path / "circler.py"
+    path.write_text(LAW.replace("return np.array(", "raise RuntimeError("))
+    words = ("--scenario", "still", "--laws", "l1", "--law", f"{path}:Circler")
+    told = uav_tracking.told("compare", *words, "--set", "mission.duration=5")
+    assert "commands that count were not by circler, but by a fallback mode" in told
+
+
+def test_a_page_without_a_place_for_the_table_costs_no_flight(tmp_path, uav_tracking):
+    page = tmp_path / "page.md"
+    page.write_text("words")
+    law = ("--laws", "l1", "--set", "mission.duration=5")
+    ended = uav_tracking("compare", "--scenario", "still", *law, "--page", page)
+    assert ended.code == 2 and "page.md has no place" in ended.err
+    assert "range RMS" in ended.out
 
 
 def test_an_option_that_is_repeated_adds_to_itself(tmp_path, uav_tracking):

@@ -59,15 +59,28 @@ def test_people_are_told_what_is_too_small(uav_tracking):
     assert "too small, still air, turn bears" in out
 
 
+def test_a_drift_in_which_no_plan_holds_the_orbit_is_told(uav_tracking):
+    ended = uav_tracking("margins", "--set", "uav_simulator.wind=[40,0,0]", "--scenario", "still")
+    assert ended.code == 2
+    assert "no plan holds the orbit in a drift of 40 m/s: infeasible" in ended.err
+
+
 def test_a_search_prints_what_to_paste(monkeypatch, tmp_path, uav_tracking):
     weights = tuple(float(each) for each in range(1, 15))
-    best = weight_search.Candidate(weights, 0.4, 9.0, [], {}, 1.0)
+    best, given = weight_search.Candidate(weights, 0.4, 9.0, [], {}, 1.0), []
     monkeypatch.setattr(
         weight_search,
         "search_weights",
-        lambda config, overrides: weight_search.search_study(config, [best], best),
+        lambda config, overrides: (
+            given.append(overrides)
+            or weight_search.search_study(config, [best], best, "one weight was tried")
+        ),
     )
-    out = uav_tracking.told("margins", "--search", "--output", tmp_path)
-    pasted = yaml.safe_load(out[out.index("/**") :])
+    words = ("margins", "--search", "--limit", "fence", "--output", tmp_path)
+    ended = uav_tracking(*words)
+    assert (ended.code, ended.err) == (130, "interrupted: one weight was tried\n")
+    assert given == [['nmpc_controller.limits="fence"']]
+    assert "leave out --scenario" in uav_tracking(*words, "--scenario", "wind").err
+    pasted = yaml.safe_load(ended.out[ended.out.index("/**") :])
     assert pasted["/**/nmpc_controller"]["ros__parameters"]["rate_weights"] == [9.0, 10.0, 11.0]
     assert json.loads((tmp_path / "search.json").read_text())["best"]["cost"] == 1.0

@@ -43,10 +43,10 @@ def interrupted_at_three(piece):
 
 
 def test_what_was_done_before_an_interruption_is_kept_and_the_bar_goes_to_stderr(capsys):
-    done = []
+    numbers = [(k,) for k in range(6)]
+    assert parallel_map(interrupted_at_three, numbers, 1, "numbers", least=3) == [0, 1, 2]
     with pytest.raises(KeyboardInterrupt):
-        parallel_map(interrupted_at_three, [(k,) for k in range(6)], 1, "numbers", done=done)
-    assert done == [0, 1, 2]
+        parallel_map(interrupted_at_three, numbers, 1, show=False, least=4)
     found = capsys.readouterr()
     assert found.out == ""
     assert "numbers" in found.err

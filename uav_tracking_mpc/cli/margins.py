@@ -23,8 +23,10 @@ from uav_tracking_mpc.cli.options import (
     add_limit_argument,
     add_output_arguments,
     chosen_configuration,
+    chosen_overrides,
 )
 from uav_tracking_mpc.cli.program import publish
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 HELP = "stability margins of the closed loop about the orbit"
 DESCRIPTION = (
@@ -77,7 +79,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.search:
         from uav_tracking_mpc.studies.margins.weight_search import search_weights
 
-        return publish(search_weights(arguments.config, arguments.overrides), arguments)
+        if arguments.scenario is not None:
+            raise ParameterError(f"--search flies mismatches of {SCENARIO}: leave out --scenario")
+        overrides = chosen_overrides(arguments, SCENARIO)
+        return publish(search_weights(arguments.config, overrides), arguments)
     from uav_tracking_mpc.studies.margins.margin_study import margin_study, margins
 
     configuration = chosen_configuration(arguments, arguments.scenario)

@@ -221,8 +221,9 @@ def publish(study: Study, arguments: argparse.Namespace) -> int:
     Returns:
         Exit code.
     """
-    words = study.publish(arguments.output, getattr(arguments, "page", None))
-    answer(study.content, words, arguments.json)
+    answer(study.content, study.publish(arguments.output), arguments.json)
+    if getattr(arguments, "page", None) is not None:
+        study.document(arguments.page)
     if study.left:
         print(f"interrupted: {study.left}", file=sys.stderr)
         return 128 + signal.SIGINT

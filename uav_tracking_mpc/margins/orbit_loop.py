@@ -46,6 +46,7 @@ from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.navigator import LONGEST_SUBSTEP, ROUNDING
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.margins.loop_margins import UNSTABLE, LoopMargins, loop_margins
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
@@ -228,15 +229,13 @@ class OrbitLoop:
             frozen: Where.
 
         Raises:
-            ArithmeticError: The guidance has no answer there, or none that stays on the orbit.
+            ParameterError: The guidance has no answer there, or none that stays on the orbit.
         """
         if self._formulation is not None:
             self._formulation.reset()
         off = self._answer(frozen.situation(np.zeros(SIZE)), None) - frozen.motion()[-3:]
         if not (np.abs(off) <= STEADY).all():
-            raise ArithmeticError(
-                "the orbit that is asked for is left: limits or the law lead away"
-            )
+            raise ParameterError("the orbit that is asked for is left: limits or the law lead away")
         gain = np.zeros((3, SIZE))
         for component, deviation in enumerate(np.diag(STEPS)):
             above = self._answer(frozen.situation(deviation), 0.0)
@@ -252,7 +251,10 @@ class OrbitLoop:
         orbit = self.parameters.orbit
         plan = self._formulation.solve(situation, ahead, orbit, elapsed)
         if not plan.solution.converged:
-            raise ArithmeticError(f"the plan on the orbit: {plan.solution.message}")
+            drift = float(np.linalg.norm(situation.drift))
+            raise ParameterError(
+                f"no plan holds the orbit in a drift of {drift:.3g} m/s: {plan.solution.message}"
+            )
         return plan.inputs[0]
 
     def loop(self, frozen: FrozenOrbit, plant: Response | None = None) -> SampledLoop:
@@ -263,7 +265,7 @@ class OrbitLoop:
             plant: How the aircraft responds; as the controller is told by default.
 
         Raises:
-            ArithmeticError: The guidance has no answer there.
+            ParameterError: The guidance has no answer there.
         """
         plant, period = plant or self.told, 1.0 / self.parameters.control_rate
         predicted = None if self._formulation is None else frozen.dynamics(self._predicted.lags)
@@ -278,7 +280,7 @@ class OrbitLoop:
             plant: How the aircraft responds; as the controller is told by default.
 
         Raises:
-            ArithmeticError: The guidance has no answer there.
+            ParameterError: The guidance has no answer there.
         """
         loop = self.loop(frozen, plant)
         if not loop.growth() < 1.0:

@@ -27,6 +27,7 @@ from urllib.parse import quote
 
 from jinja2 import Environment, StrictUndefined
 
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.report.atomic_write import write_atomically
 
 # The picture in the tab of every page: an aircraft that circles a target.
@@ -112,13 +113,13 @@ class Table:
             name: Of the table's place.
 
         Raises:
-            ValueError: The page has no such place.
+            ParameterError: The page has no such place.
         """
         begin, end = f"<!-- table {name} -->\n", "<!-- end -->"
         before, found, rest = page.read_text(encoding="utf-8").partition(begin)
         _, closed, after = rest.partition(end)
         if not (found and closed):
-            raise ValueError(f"{page} has no place {begin.strip()!r} for the table")
+            raise ParameterError(f"{page} has no place {begin.strip()!r} for the table")
         text = f"{before}{begin}{self.as_markdown()}\n{end}{after}"
         write_atomically(page, text.encode())
 

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 import signal
@@ -138,7 +139,7 @@ def parallel_map(
     workers: int | None = None,
     label: str = "",
     show: bool = True,
-    done: list[R] | None = None,
+    least: float = math.inf,
 ) -> list[R]:
     """Call a function with every piece in processes of this machine.
 
@@ -148,18 +149,23 @@ def parallel_map(
         workers: Processes; one for each core by default; 1 stays in this process.
         label: What the progress bar on stderr says.
         show: Whether to show it.
-        done: Takes the results as they come: it holds those that came before an interruption.
+        least: How many results are of use where the user interrupts; none by default.
 
     Returns:
-        Results in the order of the pieces.
+        Results in the order of the pieces; the first of them where the user interrupted.
 
     Raises:
         WorkerError: A worker was lost.
+        KeyboardInterrupt: The user interrupted before enough was done.
     """
-    done = [] if done is None else done
-    with closing(LocalExecutor(workers).map(function, pieces)) as results:
-        for result in tracked(results, label, len(pieces), show):
-            done.append(result)
+    done: list[R] = []
+    try:
+        with closing(LocalExecutor(workers).map(function, pieces)) as results:
+            for result in tracked(results, label, len(pieces), show):
+                done.append(result)
+    except KeyboardInterrupt:
+        if len(done) < least:
+            raise
     return done
 
 

@@ -180,10 +180,11 @@ def campaign(
     Returns:
         Of each flight: :data:`COUNTED`; ``drifting``, whether there was a drift; ``worst_rise`` of
         the cost [-]; wall times in [s], ``cold`` of the first solve and ``warm`` of the others.
+        Where the user interrupted, of the flights that were flown.
     """
     parameters = dataclasses.replace(parameters, solve_time_max=SOLVE_TIME_MAX)
     tasks = [(parameters, situation, steps) for situation in situations]
-    return parallel_map(_fly, tasks, workers, "flights", show)
+    return parallel_map(_fly, tasks, workers, "flights", show, least=1)
 
 
 def summary(flights: Sequence[Row]) -> dict[str, Any]:
@@ -282,7 +283,9 @@ def feasibility_study(
         begun = still["steps"] - still["cold_failures"]
         content["clean"] = bool(still["feasible"] >= begun and still["cost_rises"] == 0)
         words += ["", *_words(content)]
-    return Study("stability", content, words, good=content.get("clean", True))
+    flown = content.get("states", count)
+    left = f"{flown} of {count} states were flown" if flown < count else ""
+    return Study("stability", content, words, good=content.get("clean", True), left=left)
 
 
 def _words(content: dict[str, Any]) -> list[str]:

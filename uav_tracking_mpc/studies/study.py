@@ -74,30 +74,30 @@ class Study:
         """Content as JSON knows it: a single number that is not finite must not cost all others."""
         object.__setattr__(self, "content", plain(self.content))
 
-    def publish(self, output: Path | None, documentation: Path | None = None) -> list[str | Table]:
+    def document(self, page: Path) -> None:
+        """Put the tables into their places in a page of the documentation, if all was flown.
+
+        Raises:
+            ParameterError: The page has no place for a table.
+        """
+        if not self.left:
+            for name, table in self.tables.items():
+                table.write_into(page, name)
+
+    def publish(self, output: Path | None) -> Sequence[str | Table]:
         """Write everything.
 
         Args:
             output: Folder of the files, made if it is not there; None writes none.
-            documentation: Page of the documentation that has places for the tables; None for none.
 
         Returns:
             Words for people, with the place of the files.
 
         Raises:
             OSError: The folder cannot be made or written to.
-            ValueError: The page of the documentation has no place for a table.
         """
-        words = [*self.words]
-        if output is not None:
-            self._write(output)
-            words += [self.written.format(output)] if self.written else []
-        if documentation is not None and not self.left:
-            for name, table in self.tables.items():
-                table.write_into(documentation, name)
-        return words
-
-    def _write(self, output: Path) -> None:
+        if output is None:
+            return self.words
         # Only now: processes that fly a study's flights import its modules, and draw nothing.
         from uav_tracking_mpc.report.figure_style import save_figure
 
@@ -122,3 +122,4 @@ class Study:
                 pictures=[(*self.about[name], picture) for name, picture in pictures.items()],
             )
             write_atomically(output / f"{self.name}.html", page.encode())
+        return [*self.words, *([self.written.format(output)] if self.written else [])]

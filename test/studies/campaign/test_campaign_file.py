@@ -70,7 +70,7 @@ def test_half_the_range_is_half_way_from_what_is_right():
 
 def test_a_grid_is_evenly_spaced():
     grid = Distribution.of("key", {"grid": [0.0, 1.0, 5]})
-    assert grid.swept
+    assert grid.kind == "values"
     assert grid.arguments == (0.0, 0.25, 0.5, 0.75, 1.0)
     assert Distribution.of("key", {"values": [1, "b"]}).arguments == (1, "b")
 
@@ -274,7 +274,7 @@ def test_a_file_is_taken_as_it_stands(tmp_path):
 
 def test_nothing_but_draws_is_a_campaign(tmp_path):
     path = tmp_path / "plain.yaml"
-    path.write_text("draw: {wind.speed: {uniform: [0, 5]}}\n")
+    path.write_text("config:\ndraw: {wind.speed: {uniform: [0, 5]}}\n")
     campaign = load_campaign(str(path))
     assert campaign.base.name == "small_uav"
     assert campaign.laws == ("nmpc",)
@@ -316,6 +316,7 @@ def test_those_of_the_package_can_be_flown(name):
         ({"laws": "nmpc"}, "'laws' is 'nmpc', must be a list"),
         ({"draw": [1]}, "draw is [1], must hold names and values"),
         ({"draw": {"wind.sped": 1.0}}, "'wind.sped' must be"),
+        ({"draw": {1: 1.0}}, "'1' must be SECTION.PARAMETER"),
         ({"draw": {"uav_simulator.gust_intensity": {"uniform": [0, 90]}}}, "may become 90.0"),
         ({"errors": {"x": {"wind.speed": {"values": [1, 2]}}}}, "only what is under 'draw'"),
         ({"groups": {"a": {"share": 0.4}}}, "add up to 0.4, must be 1"),

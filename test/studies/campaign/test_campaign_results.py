@@ -168,7 +168,9 @@ def test_json_holds_what_counts_and_no_nan(failing):
 
 
 def test_tables_say_how_many_failed_and_why(failing):
-    study = campaign_study(failing)
+    fallen = [{**row, "off_plan": 3 * (row["flight"] == 1)} for row in failing.rows]
+    study = campaign_study(replace(failing, rows=fallen))
+    assert "l1: in 1 flights a fallback mode flew at times" in study.words
     head, *_ = study.tables["failures"].rows
     assert head[:4] == ["l1", "all", "6", "3"]
     assert head[-1] == "orbit_lost 2, raised 1"
@@ -184,7 +186,8 @@ def test_the_folder_holds_page_picture_and_the_worst_flights_to_be_flown_again(r
     """A worst flight flies again bit for bit; tables go into a page of the documentation."""
     study, folder, page = campaign_study(results), results.file.parent, tmp_path / "page.md"
     page.write_text("".join(f"<!-- table {name} -->\n<!-- end -->\n" for name in study.tables))
-    study.publish(folder, page)
+    study.publish(folder)
+    study.document(page)
     assert set(study.tables) == {"failures", "quantiles", "traits", "worst"}
     assert "| l1 | all | 6 |" in page.read_text()
     assert {path.name for path in folder.iterdir()} == {

@@ -124,5 +124,5 @@ def test_the_folder_tells_the_comparison(tmp_path, flown, kind, pictures, words)
 def test_documentation_changes_only_with_all_that_was_asked_for(tmp_path, left, written):
     page = tmp_path / "page.md"
     page.write_text("<!-- table comparison -->\nbefore\n<!-- end -->\n")
-    comparison([compared()], SCENARIOS, left).publish(None, page)
+    comparison([compared()], SCENARIOS, left).document(page)
     assert written in page.read_text()

@@ -126,7 +126,7 @@ def test_from_weights_without_margins_it_finds_some(monkeypatch):
 def test_no_weights_have_such_margins(monkeypatch):
     monkeypatch.setattr(module, "parallel_map", flights(quadratic))
     asked = [*START, "nmpc_controller.gain_margin_min=9.0"]
-    with pytest.raises(ArithmeticError, match="none of 15 weights"):
+    with pytest.raises(ParameterError, match="none of 15 weights"):
         searched(asked, rounds=1)
 
 

@@ -149,11 +149,6 @@ class Distribution:
         return cls(kind, tuple(map(float, arguments) if kind in NUMBERS else arguments))
 
     @property
-    def swept(self) -> bool:
-        """Whether each of its values is flown in turn."""
-        return self.kind == SWEPT
-
-    @property
     def ends(self) -> tuple[Any, ...]:
         """Values between which all lie that can be drawn; none where there are no such."""
         return () if self.kind == "normal" else self.arguments
@@ -336,7 +331,7 @@ class Campaign:
     @property
     def swept(self) -> dict[str, tuple[Any, ...]]:
         """Values of what is swept, by key."""
-        return {key: each.arguments for key, each in self.draw.items() if each.swept}
+        return {key: each.arguments for key, each in self.draw.items() if each.kind == SWEPT}
 
     @property
     def total(self) -> int:
@@ -413,7 +408,7 @@ def _campaign(
     flights: int | None,
 ) -> Campaign:
     scenario = content.get("scenario")
-    base = load_configuration(str(content.pop("config", "small_uav")), (), scenario)
+    base = load_configuration(str(content.pop("config", None) or "small_uav"), (), scenario)
     draws = dict(_mapping(content.pop("draw", {}), "draw"))
     for assignment in overrides:
         key, equals, text = assignment.partition("=")
@@ -424,7 +419,7 @@ def _campaign(
         str(error): _distributions(base, _mapping(each, f"error '{error}'"))
         for error, each in _mapping(content.pop("errors", {}), "errors").items()
     }
-    swept = [k for each in errors.values() for k, draw in each.items() if draw.swept]
+    swept = [k for each in errors.values() for k, draw in each.items() if draw.kind == SWEPT]
     if swept:
         raise ParameterError(f"'{swept[0]}' is swept, which only what is under 'draw' can be")
     groups = _groups(content.pop("groups", {}), bool(errors))
@@ -457,7 +452,7 @@ def _plain(key: str, value: Any) -> Any:
 
 def _distributions(base: Configuration, written: Mapping[str, Any]) -> Draws:
     """Distributions by key, each of a parameter that can take all that may be drawn."""
-    draws = {key: Distribution.of(key, value) for key, value in written.items()}
+    draws = {str(key): Distribution.of(key, value) for key, value in written.items()}
     for key, draw in draws.items():
         read(base.sections, key)  # raises where there is no such parameter
         for value in draw.ends:

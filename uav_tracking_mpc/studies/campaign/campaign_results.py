@@ -452,6 +452,9 @@ def campaign_study(results: CampaignResults) -> Study:
         "worst": worst_table(content["worst"]),
     }
     words: list[str | Table] = [table for table in tables.values() if table.rows]
+    for law, rows in by(results.rows, "law").items():
+        fallen = sum(bool(row.get("off_plan")) for row in rows)
+        words += [f"{law}: in {fallen} flights a fallback mode flew at times"] if fallen else []
     if results.flown:
         rate = 60.0 * results.flown / results.seconds / results.workers
         words.append(

@@ -89,7 +89,7 @@ def planned(campaign: Campaign, number: int) -> PlannedFlight:
     values = {
         key: each.draw(_stream(campaign, draw, key))
         for key, each in campaign.draw.items()
-        if not each.swept
+        if key not in campaign.swept
     }
     for key, swept in campaign.swept.items():
         point, index = divmod(point, len(swept))

@@ -223,9 +223,11 @@ def is_whole_list(sections: Sections, key: str) -> bool:
         ParameterError: There is no such parameter.
     """
     place = _input(sections, key)
-    if isinstance(place, Derived) or place.index is not None:
-        return False
-    return isinstance(place.specification.default, tuple)
+    return (
+        isinstance(place, _Place)
+        and place.index is None
+        and isinstance(place.specification.default, tuple)
+    )
 
 
 def write(sections: Sections, values: Mapping[str, Any]) -> None:

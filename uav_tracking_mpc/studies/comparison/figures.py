@@ -41,6 +41,7 @@ from uav_tracking_mpc.studies.comparison.results import (
     comparison_table,
     misses,
     news_of_sensors,
+    not_its_own,
     others_table,
     own_table,
 )
@@ -243,6 +244,7 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
             table,
             *news_of_sensors(scenarios),
             *(f"missed, {line}" for line in misses(scenarios)),
+            *not_its_own(scenarios),
         ],
         written=f"report: {{}}/{kind.name}.html",
         figures={overview: partial(overview_figure, scenarios, kind), **figures},

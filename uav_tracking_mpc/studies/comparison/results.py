@@ -222,12 +222,8 @@ def compare(
     labels = law_labels(laws)
     several = {name: variants(each, name) for name, each in configurations.items()}
     tasks = [(prepared(each, law),) for all in several.values() for law in laws for each in all]
-    logs: list[FlightLog] = []
-    try:
-        parallel_map(simulate, tasks, workers, "flights", show, logs)
-    except KeyboardInterrupt:
-        if len(logs) < len(laws) * len(next(iter(several.values()))):
-            raise
+    least = len(laws) * len(next(iter(several.values())))
+    logs = parallel_map(simulate, tasks, workers, "flights", show, least)
     left, found = iter(logs), list[Scenario]()
     beside: dict[str, Measures] = {}
     for name, configuration in configurations.items():
@@ -404,3 +400,18 @@ def misses(scenarios: Sequence[Scenario]) -> list[str]:
         scenarios: What was flown.
     """
     return [f"{scenario.name}: {words}" for scenario in scenarios for words in scenario.missed]
+
+
+def not_its_own(scenarios: Sequence[Scenario]) -> list[str]:
+    """Which laws did not fly by themselves, one line a flight that counts others' commands.
+
+    Args:
+        scenarios: What was flown.
+    """
+    return [
+        f"{scenario.name}: {flight.off_plan} commands that count were not by {law}, "
+        "but by a fallback mode"
+        for scenario in scenarios
+        for law, flight in scenario.measures.items()
+        if law != PREDICTIVE and flight.off_plan
+    ]

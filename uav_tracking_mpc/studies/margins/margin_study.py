@@ -244,8 +244,8 @@ def margin_study(
         show: Progress bar on stderr.
 
     Raises:
-        ParameterError: There is no such law, or the parameters cannot be flown.
-        ArithmeticError: The controller has no answer on the orbit.
+        ParameterError: There is no such law, the parameters cannot be flown, or the controller has
+            no answer on the orbit.
     """
     simulator = configuration.simulator
     plant = Response(

@@ -137,8 +137,8 @@ def search_weights(
         show: Progress bars on stderr.
 
     Raises:
-        ParameterError: As of :func:`load_configuration`.
-        ArithmeticError: No weights that were tried have the margins that are asked.
+        ParameterError: As of :func:`load_configuration`, or no weights that were tried have the
+            margins that are asked.
     """
     overrides, flights = tuple(overrides), tuple(flights)
     configuration = load_configuration(config, overrides, SCENARIO)
@@ -174,25 +174,28 @@ def search_weights(
     begin = [weight for name in SIZES for weight in getattr(start, name)]
     center, factor = _rounded(max(weight, LEAST) for weight in begin), FACTOR
     take([center])
-    best = known[center]
-    for _ in range(rounds):
-        take(
-            _rounded(w * scale if k in places else w for k, w in enumerate(center))
-            for places in MOVES
-            for scale in (factor, 1.0 / factor)
-        )
-        best = min(known.values(), key=rank)
-        if best.weights == center:
-            if factor <= LAST_FACTOR:
-                break
-            factor = math.sqrt(factor)
-        center = best.weights
+    best, left = known[center], ""
+    try:
+        for _ in range(rounds):
+            take(
+                _rounded(w * scale if k in places else w for k, w in enumerate(center))
+                for places in MOVES
+                for scale in (factor, 1.0 / factor)
+            )
+            best = min(known.values(), key=rank)
+            if best.weights == center:
+                if factor <= LAST_FACTOR:
+                    break
+                factor = math.sqrt(factor)
+            center = best.weights
+    except KeyboardInterrupt:
+        left = f"the search had tried {len(known)} weights"
     if not math.isfinite(best.cost):
-        raise ArithmeticError(
+        raise ParameterError(
             f"none of {len(known)} weights has the margins that are asked; the best: "
             f"{'; '.join(best.shortfalls)}"
         )
-    return search_study(configuration.name, list(known.values()), best)
+    return search_study(configuration.name, list(known.values()), best, left)
 
 
 def _with_margins(
@@ -204,7 +207,7 @@ def _with_margins(
     try:
         found = [loop.margins(loop.orbit_in(np.zeros(3)))]
         found += [loop.margins(loop.orbit_in(drift, phi)) for phi in AZIMUTHS]
-    except ArithmeticError as error:
+    except ParameterError as error:
         return replace(candidate, shortfalls=[str(error)])
     channels = [channel for each in found for channel in each.channels.values()]
     return replace(
@@ -242,7 +245,9 @@ def _rounded(weights: Iterable[float]) -> Weights:
     return tuple(float(f"{weight:.2g}") for weight in weights)
 
 
-def search_study(config: str, candidates: Sequence[Candidate], best: Candidate) -> Study:
+def search_study(
+    config: str, candidates: Sequence[Candidate], best: Candidate, left: str = ""
+) -> Study:
     """What was tried with a configuration, a row for each; the best, and the YAML to paste."""
     weights = [f"    {name}: {values}" for name, values in best.by_name.items()]
     yaml = "\n".join(["/**/nmpc_controller:", "  ros__parameters:", *weights])
@@ -264,7 +269,7 @@ def search_study(config: str, candidates: Sequence[Candidate], best: Candidate) 
         "best": _numbers(best),
         "yaml": yaml,
     }
-    return Study("search", content, [table, yaml])
+    return Study("search", content, [table, yaml], left=left)
 
 
 def _numbers(candidate: Candidate) -> dict[str, Any]:
