@@ -61,7 +61,7 @@ def messages(path: Path, names: Iterable[str]) -> Iterator[tuple[str, int, Any]]
             wanted = [each for each in reader.connections if found[each.id] is not None]
             for connection, heard, data in reader.messages(wanted):
                 yield found[connection.id] or "", heard, decoded(data, connection.msgtype)
-    except AnyReaderError as error:
+    except (AnyReaderError, FileNotFoundError) as error:
         raise BagError(f"{path} cannot be read as a bag: {error}") from error
 
 

@@ -107,10 +107,14 @@ def test_coloured_noise_is_recognised():
     assert fit.lag + fit.dead_time == pytest.approx(0.4, abs=0.03)  # two standard deviations
 
 
-def test_a_record_that_is_too_short_is_refused():
+def test_a_record_that_is_too_short_is_refused_and_a_rate_that_is_is_not_used():
     channel = record(0.3, 0.1)
+    few = Samples(*(column[::100] for column in channel.state))
+    with pytest.raises(ValueError, match="must be at least 25 over 10 s"):
+        replace(channel, state=few).between_commands()
+    assert replace(channel, rate=few).between_commands().rate is None
     short = replace(channel, state=Samples(*(column[:150] for column in channel.state)))
-    with pytest.raises(ValueError, match="must be at least 10 s"):
+    with pytest.raises(ValueError, match="over 7.5 s"):
         short.between_commands()
 
 

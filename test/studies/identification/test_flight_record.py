@@ -78,12 +78,22 @@ def test_columns_that_may_be_missing_and_cells_that_may_be_empty(tmp_path):
     assert record.airspeed is None and record.turn_rate is None
 
 
+def test_of_a_record_with_a_gap_the_longest_stretch_is_used_whatever_stands_beside_it(tmp_path):
+    path = tmp_path / "flight.csv"
+    rows = [f"{t / 10},{t},0,0,0,0,Bö" for t in (*range(30), *range(100, 150), *range(300, 310))]
+    path.write_text("\n".join([MINIMAL.strip() + ",note", *rows[::-1]]), encoding="latin-1")
+    record = read_csv_record(path)
+    for known in (record.demand.time, record.heading.time):
+        np.testing.assert_allclose(known, np.arange(10.0, 14.99, 0.1))
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("time,heading\n0,1\n", "has no columns turn_command, path_command"),
         (MINIMAL + "0,1,2,x,0,0\n", "line 2: acceleration_command is 'x', must be a number"),
         (MINIMAL + "0,,,,0,0\n", "holds no command"),
+        (MINIMAL + "0,0,0,0,0,2\n", "path_angle is beyond \\+-90 deg, must be in rad"),
     ],
 )
 def test_what_is_no_record_is_refused(tmp_path, text, words):

@@ -95,6 +95,17 @@ def test_what_is_not_known_is_said(found):
     assert "# speed: not measured" in text
 
 
+@pytest.mark.parametrize("gain", [Estimate(-1.0, -1.1, -0.9), Estimate(0.0, -math.inf, math.inf)])
+def test_a_gain_of_a_wrong_sign_or_of_no_commands_is_not_pasted(found, gain):
+    turned = replace(found[0], estimates=found[0].estimates._replace(gain=gain))
+    assert pasted([turned])["/**/uav_simulator"]["ros__parameters"]["command_gain"] == [1.0] * 3
+    assert (
+        ("# turn: answers the wrong way round" in parameters_to_paste([turned]))
+        == (not turned.as_json()["sure"])
+        == (gain.upper < 0.0)
+    )
+
+
 def test_every_channel_has_a_row_plain_values_and_two_panels(found):
     table = identification_table(found)
     assert [row[0] for row in table.rows] == list(CHANNELS)

@@ -19,6 +19,7 @@ import pytest
 
 from uav_tracking_mpc.studies.identification import validation
 from uav_tracking_mpc.studies.identification.flight_record import CHANNELS
+from uav_tracking_mpc.studies.identification.identification import Estimates
 from uav_tracking_mpc.studies.identification.validation import (
     DEAD_TIME,
     GAIN,
@@ -29,6 +30,7 @@ from uav_tracking_mpc.studies.identification.validation import (
     validate,
 )
 
+ONE = {"truth": 1.0, "value": 1.0, "lower": 0.5, "upper": 1.5}
 QUICK = ("nmpc_controller.law=l1",)  # needs no solver
 
 
@@ -69,6 +71,20 @@ def test_flights_are_counted(monkeypatch):
             held = errors[figure]["lower"] <= truth <= errors[figure]["upper"]
             assert channel["covered"][figure] == held
     assert len(study.tables["identification"].rows) == len(CHANNELS)
+
+
+def test_what_was_flown_before_an_interruption_is_counted(monkeypatch):
+    row = {name: dict.fromkeys(Estimates._fields, ONE) for name in CHANNELS}
+
+    def interrupted(config, overrides, seed):
+        if seed == 2:
+            raise KeyboardInterrupt
+        return row
+
+    monkeypatch.setattr(validation, "fly", interrupted)
+    study = validate("small_uav", count=4, workers=1)
+    assert study.left == "2 of 4 flights were flown"
+    assert study.content["flights"] == len(study.content["channels"]["turn"]["errors"]) == 2
 
 
 @pytest.mark.long

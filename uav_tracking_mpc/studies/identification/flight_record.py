@@ -31,7 +31,8 @@ A CSV file has named columns:
 =========================  ======================================================
 
 Other columns are ignored. A cell may be empty where a row holds commands only, or measurements
-only. The time of a command is when the aircraft got it, not that of the state it answers.
+only. Where rows are missing, the longest time without such a gap counts. The time of a command is
+when the aircraft got it, not that of the state it answers.
 
 In a bag a command counts from when it was heard, by the clock of the stamps. Where a bag holds
 ``/clock``, that is the newest time heard before it; else bag and stamps must share a clock.
@@ -76,6 +77,9 @@ CHANNELS = (TURN, PATH, SPEED)  # in the order of (u_psi, u_chi, u_v)
 UNITS = {TURN: "rad/s", PATH: "rad/s", SPEED: "m/s^2"}  # of what is demanded
 WARM_UP = 5.0  # s after the first command, of which what came before it has no more part
 SHORTEST = 10.0  # s of measurements, below which nothing can be said
+FEWEST = 25  # measurements; with fewer their noise, of 16 coefficients at most, is not known
+GAP = 2.0  # s without a row
+GAP_SHARE = 10.0  # -, of the usual time between rows: what is longer than both is a gap
 LAST_SEGMENT = 1.0  # s, of a plan that has one segment only
 COMMANDS = ("turn_command", "path_command", "acceleration_command")
 STATES = ("heading", "path_angle")
@@ -95,6 +99,11 @@ class Samples(NamedTuple):
 
     time: NDArray[np.float64]
     value: NDArray[np.float64]
+
+    def within(self, begin: float, end: float) -> Samples:
+        """Those of a time from beginning to end, in [s]."""
+        inside = (self.time >= begin) & (self.time <= end)
+        return Samples(self.time[inside], self.value[inside])
 
 
 @dataclass(frozen=True)
@@ -124,20 +133,16 @@ class ChannelRecord:
         Raises:
             ParameterError: There are too few measurements between commands.
         """
-        begin, end = self.demand.time[0] + WARM_UP, self.demand.time[-1] + 1.0
-
-        def within(samples: Samples) -> Samples:
-            inside = (samples.time >= begin) & (samples.time <= end)
-            return Samples(samples.time[inside], samples.value[inside])
-
-        kept = within(self.state)
+        span = self.demand.time[0] + WARM_UP, self.demand.time[-1] + 1.0
+        kept = self.state.within(*span)
         length = kept.time[-1] - kept.time[0] if len(kept.time) else 0.0
-        if not length >= SHORTEST:
+        if not (length >= SHORTEST and len(kept.time) >= FEWEST):
             raise ParameterError(
-                f"channel {self.name}: {length:.1f} s of measurements with commands, must be at "
-                f"least {SHORTEST:g} s beginning {WARM_UP:g} s after the first command"
+                f"channel {self.name}: {len(kept.time)} measurements over {length:.1f} s with "
+                f"commands, must be at least {FEWEST} over {SHORTEST:g} s beginning {WARM_UP:g} s "
+                "after the first command"
             )
-        return replace(self, state=kept, rate=None if self.rate is None else within(self.rate))
+        return replace(self, state=kept, rate=_moving(self.rate and self.rate.within(*span)))
 
 
 class FlownPlan(NamedTuple):
@@ -223,8 +228,8 @@ class FlightRecord:
         lateral = ones if self.airspeed is None else _smooth(time, self.airspeed) / GRAVITY
         heading = self.heading._replace(value=np.unwrap(self.heading.value))
         found = [
-            ChannelRecord(TURN, turn, heading, _moving(self.turn_rate), lateral, banks),
-            ChannelRecord(PATH, path, self.path_angle, _moving(self.path_angle_rate), ones),
+            ChannelRecord(TURN, turn, heading, self.turn_rate, lateral, banks),
+            ChannelRecord(PATH, path, self.path_angle, self.path_angle_rate, ones),
         ]
         if self.airspeed is not None:
             found.append(ChannelRecord(SPEED, speed, self.airspeed, None, ones))
@@ -245,8 +250,9 @@ def samples(time: ArrayLike, values: ArrayLike) -> Samples:
 
 
 def _moving(rate: Samples | None) -> Samples | None:
-    """None for a rate that never changes: its sender does not measure it."""
-    return None if rate is None or not len(rate.value) or np.ptp(rate.value) == 0.0 else rate
+    """None for a rate that is hardly known, or never changes: its sender does not measure it."""
+    known = rate is not None and len(rate.value) >= FEWEST and np.ptp(rate.value) > 0.0
+    return rate if known else None
 
 
 def _smooth(time: NDArray[np.float64], noisy: Samples) -> NDArray[np.float64]:
@@ -330,7 +336,8 @@ def read_csv_record(path: Path) -> FlightRecord:
         ParameterError: A column is missing, a cell is no number, or there are no commands.
         OSError: It cannot be read.
     """
-    with path.open(newline="", encoding="utf-8-sig") as file:
+    # What is no UTF-8 may stand in columns that are not read.
+    with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
         reader = csv.DictReader(file)
         reader.fieldnames = [name.strip() for name in reader.fieldnames or ()]
         missing = [name for name in COLUMNS if name not in (*reader.fieldnames, *OPTIONAL)]
@@ -345,19 +352,30 @@ def read_csv_record(path: Path) -> FlightRecord:
             [_number(row[name], f"{path}, line {reader.line_num}: {name}") for name in names]
             for row in reader
         ]
-    table = dict(zip(names, np.reshape(rows, (-1, len(names))).T, strict=True))
+    whole = np.reshape(rows, (-1, len(names)))
+    table = dict(zip(names, _longest_stretch(whole[np.isfinite(whole[:, 0])]).T, strict=True))
     time = table.pop("time")
+    if np.any(np.abs(table["path_angle"]) > np.pi / 2.0):
+        raise ParameterError(f"{path}: path_angle is beyond +-90 deg, must be in rad")
     inputs = np.column_stack([table.pop(name) for name in COMMANDS])
-    commanded = np.isfinite(inputs).all(axis=1) & np.isfinite(time)
+    commanded = np.isfinite(inputs).all(axis=1)
     if not commanded.any():
         raise ParameterError(f"{path} holds no command")
-    order = np.argsort(time[commanded], kind="stable")
     columns = {
         name: samples(time, values)
         for name, values in table.items()
         if name in STATES or np.isfinite(values).any()
     }
-    return FlightRecord(Samples(time[commanded][order], inputs[commanded][order]), **columns)
+    return FlightRecord(Samples(time[commanded], inputs[commanded]), **columns)
+
+
+def _longest_stretch(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rows by their time, the first column, over the longest time without a gap in the record."""
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    steps = np.diff(rows[:, 0])
+    usual = np.median(steps[steps > 0.0]) if np.any(steps > 0.0) else 0.0
+    parts = np.split(rows, 1 + np.flatnonzero(steps > max(GAP_SHARE * usual, GAP)))
+    return max(parts, key=lambda part: part[-1, 0] - part[0, 0] if len(part) else 0.0)
 
 
 def _number(cell: str | None, where: str) -> float:

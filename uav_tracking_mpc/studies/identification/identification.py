@@ -104,8 +104,8 @@ class Profile:
         """Best values and intervals."""
         fit = self._fit
         # Less than 1 where the noise is less than what is assumed at least.
-        self._variance = max(fit.solved.misfit / (fit.count - UNKNOWNS), 1.0)
-        self._allowed = fit.solved.misfit + self._variance * float(chi2.ppf(CONFIDENCE, 1))
+        variance = max(fit.solved.misfit / (fit.count - UNKNOWNS), 1.0)
+        self._allowed = fit.solved.misfit + variance * float(chi2.ppf(CONFIDENCE, 1))
         lag = self._interval(fit.lag, LAG_MAX, self._at_lag)
         dead_time = self._interval(fit.dead_time, DEAD_TIME_MAX, self._at_dead_time)
         total = self._interval(self._total, LAG_MAX + DEAD_TIME_MAX, self._at_total)
@@ -195,10 +195,13 @@ class ChannelIdentification:
     limits: Limits
 
     @property
-    def sure(self) -> bool:
-        """Whether the record tells enough to use the figures."""
+    def doubt(self) -> str:
+        """Why the figures cannot be used, in words; empty if they can."""
         value, lower, upper = self.estimates.total
-        return 0.5 * (upper - lower) <= max(SURE, SURE_SHARE * value)
+        if self.estimates.gain.upper < 0.0:
+            return "answers the wrong way round: see the signs of the columns"
+        sure = 0.5 * (upper - lower) <= max(SURE, SURE_SHARE * value)
+        return "" if sure else "not sure, excite it more"
 
     @property
     def largest(self) -> tuple[float, float]:
@@ -239,7 +242,7 @@ class ChannelIdentification:
         }
         return {
             **figures,
-            "sure": self.sure,
+            "sure": not self.doubt,
             "largest": list(self.largest),
             "largest_bank_rad": self.largest_bank,
             "limits_observed": list(self.observed_limits),
@@ -270,7 +273,7 @@ def identification(path: Path) -> Study:
         ParameterError: It does not hold what is needed.
         OSError: It cannot be read.
     """
-    record = read_csv_record(path) if path.suffix == ".csv" else read_bag_record(path)
+    record = read_csv_record(path) if path.suffix.lower() == ".csv" else read_bag_record(path)
     found = identify(record.channels())
     yaml = parameters_to_paste(found)
     content = {
@@ -286,7 +289,7 @@ def identification(path: Path) -> Study:
         written="figure: {}/response.png",
         figures={"response": partial(response_figure, found)},
         files={"identified.yaml": yaml.encode()},
-        good=all(channel.sure for channel in found),
+        good=not any(channel.doubt for channel in found),
     )
 
 
@@ -317,7 +320,7 @@ def _row(channel: ChannelIdentification) -> tuple[str, ...]:
     if bank is not None:
         flown += f", bank {math.degrees(bank):.0f} deg"
     limits = [_limit(channel.name, value) for value in channel.observed_limits if value is not None]
-    name = channel.name if channel.sure else f"{channel.name} (not sure)"
+    name = f"{channel.name} (not sure)" if channel.doubt else channel.name
     figures = (_words(figure) for figure in (lag, dead_time, total, gain))
     return name, *figures, flown, ", ".join(limits) or "none"
 
@@ -339,22 +342,22 @@ def parameters_to_paste(found: Sequence[ChannelIdentification]) -> str:
     A channel that was not identified keeps a comment; its numbers are placeholders.
     """
     known = {channel.name: channel for channel in found}
+    answering = {name for name in known if known[name].estimates.gain.lower > 0.0}
     lag, dead_time, gain = (
         [
-            round(getattr(known[name].estimates, figure).value, 3) if name in known else otherwise
+            round(getattr(known[name].estimates, figure).value, 3) if name in those else otherwise
             for name in CHANNELS
         ]
-        for figure, otherwise in (("lag", 0.0), ("dead_time", 0.0), ("gain", 1.0))
-    )
+        for figure, otherwise, those in (
+            ("lag", 0.0, known), ("dead_time", 0.0, known), ("gain", 1.0, answering)
+        )
+    )  # fmt: skip
     limits = {key: value for one in found for key, value in _limits_to_paste(one).items()}
     controller = {"rate_lag": lag, "dead_time": dead_time, **limits}
     # Lists of its own: YAML would refer to one that stands above.
     simulator = {"rate_lag": [*lag], "dead_time": [*dead_time], "command_gain": gain, **limits}
-    comments = [
-        f"# {name}: {'not sure, excite it more' if name in known else 'not measured'}\n"
-        for name in CHANNELS
-        if name not in known or not known[name].sure
-    ]
+    doubts = {name: known[name].doubt if name in known else "not measured" for name in CHANNELS}
+    comments = [f"# {name}: {words}\n" for name, words in doubts.items() if words]
     return "".join(comments) + parameter_file(
         {"nmpc_controller": controller, "uav_simulator": simulator}
     )

@@ -39,7 +39,6 @@ from uav_tracking_mpc.studies.identification.flight_record import (
     CHANNELS,
     FlightRecord,
     FlightWitness,
-    Samples,
 )
 from uav_tracking_mpc.studies.identification.identification import CONFIDENCE, Estimates, identify
 from uav_tracking_mpc.studies.study import Study
@@ -103,14 +102,10 @@ def fly(config: str, overrides: tuple[str, ...], seed: int) -> dict[str, Row]:
 
 def _used(record: FlightRecord) -> FlightRecord:
     """What of a record is used: no rates, and nothing measured before the excitation."""
-
-    def last(samples: Samples) -> Samples:
-        kept = samples.time > samples.time[-1] - EXCITED
-        return Samples(samples.time[kept], samples.value[kept])
-
     assert record.airspeed is not None
     states = (record.heading, record.path_angle, record.airspeed)
-    return FlightRecord(record.demand, *map(last, states))
+    end = float(record.heading.time[-1])
+    return FlightRecord(record.demand, *(each.within(end - EXCITED, end) for each in states))
 
 
 def validate(
@@ -135,11 +130,11 @@ def validate(
         ``.errors``: of each flight.
     """
     flights = [(config, tuple(overrides), seed + index) for index in range(count)]
-    rows = parallel_map(fly, flights, workers, "flights")
+    rows = parallel_map(fly, flights, workers, "flights", least=1)
     channels = {name: _counted([row[name] for row in rows]) for name in CHANNELS}
     content = {
         "config": config,
-        "flights": count,
+        "flights": len(rows),
         "seed": seed,
         "confidence": CONFIDENCE,
         "channels": channels,
@@ -158,10 +153,11 @@ def validate(
         ["channel", *near, *covered],
         cells,
         numeric=(*near, *covered),
-        title=f"{count} flights, {EXCITED:g} s of each",
+        title=f"{len(rows)} flights, {EXCITED:g} s of each",
         caption=f"close: {bounds}; covered: the interval of {CONFIDENCE:.0%} holds the truth.",
     )
-    return Study("validation", content, [table], tables={"identification": table})
+    left = f"{len(rows)} of {count} flights were flown" if len(rows) < count else ""
+    return Study("validation", content, [table], tables={"identification": table}, left=left)
 
 
 def _words(name: str) -> str:
