@@ -166,9 +166,9 @@ def test_offset_of_the_counter_clockwise_orbit():
     orbit = Orbit(150.0, 50.0, 4.0, COUNTER_CLOCKWISE)
     finding = range_offset_finding(orbiting(30, orbit, model="paper9"))
     assert finding is not None
-    assert finding.model_turn_rate == pytest.approx(0.03)
-    assert finding.exact_turn_rate == pytest.approx(4.0 / orbit.radius)
-    assert finding.model_formula == "v_d r_d / d_d²"
+    assert finding["model_turn_rate"] == pytest.approx(0.03)
+    assert finding["exact_turn_rate"] == pytest.approx(4.0 / orbit.radius)
+    assert finding["model_formula"] == "v_d r_d / d_d²"
 
 
 def test_verdicts():

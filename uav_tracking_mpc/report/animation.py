@@ -88,8 +88,10 @@ def _scene(figure: Figure, log: FlightLog) -> Callable[[int], None]:
     star = _line(above, color=VERMILLION, marker="*", ms=11, ls="none")
     (aircraft,) = above.fill(*AIRCRAFT.T, color=BLACK, zorder=5)
     error = np.maximum(np.abs(log.error[:, COLUMNS["range"]]), FINEST)
-    beside.set(yscale="log", xlim=log.time[[0, -1]], ylim=(FINEST, 1.5 * error.max()))
-    beside.set(xlabel="time [s]", ylabel="range error [m]", title="shaded: settled")
+    beside.set(
+        yscale="log", xlim=log.time[[0, -1]], ylim=(FINEST, 1.5 * error.max()),
+        xlabel="time [s]", ylabel="range error [m]", title="shaded: settled",
+    )  # fmt: skip
     beside.axhspan(FINEST, settling_bands(log)["range"], color=GREEN, alpha=0.15, lw=0.0)
     beside.plot(log.time, error, color=LIGHT_GREY, lw=0.8)
     flown = _line(beside, color=BLUE, lw=1.4)

@@ -21,9 +21,9 @@ cannot be given (nothing recorded, never settled, not finite) is None: JSON know
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, wrap_angle
 from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
 from uav_tracking_mpc.estimation.sensor_health import USED, SensorHealth
-from uav_tracking_mpc.simulation.flight_log import FlightLog
+from uav_tracking_mpc.simulation.flight_log import FlightLog, FlownMode
 
 # m, m, m/s, rad: half widths of the bands that count as settled in still air.
 STILL_AIR_BANDS = {"range": 1.0, "altitude": 1.0, "speed": 0.1, "bearing": 0.05}
@@ -412,65 +412,22 @@ def _percent(share: float) -> str:
     return f"{share:.1%}" if share >= LEAST_SHARE else f"less than {LEAST_SHARE:.1%}"
 
 
-class Fallback(NamedTuple):
-    """A time in which something else was flown than was asked for.
-
-    Attributes:
-        mode: What was flown, in words.
-        begin: In [s] from the start.
-        duration: In [s].
-        reason: Why, in words.
-    """
-
-    mode: str
-    begin: float
-    duration: float
-    reason: str
-
-
-def fallbacks(log: FlightLog) -> list[Fallback]:
-    """The longest times in which the flight fell back, in their order.
+def fallbacks(log: FlightLog) -> list[tuple[float, float, FlownMode]]:
+    """The longest times in which something else was flown than was asked for: begin, end and what.
 
     Args:
         log: Record of the flight.
     """
-    found = [
-        Fallback(flown.mode.value, begin, end - begin, flown.reason)
-        for begin, end, flown in log.mode_spans
-        if not flown.mode.nominal
-    ]
-    longest = sorted(found, key=lambda each: each.duration, reverse=True)[:FALLBACKS]
-    return sorted(longest, key=lambda each: each.begin)
-
-
-@dataclass(frozen=True)
-class RangeOffset:
-    """A standing range error and the turn rates that explain it, or do not.
-
-    Attributes:
-        mean: Mean range error over the last third of the flight in [m].
-        spread: Half of its peak-to-peak value there in [m].
-        from_model: Whether the controller predicted with a steady turn that is not the vehicle's.
-        model_turn_rate: u_psi that holds the orbit in the prediction model, in [rad/s].
-        exact_turn_rate: u_psi that holds it on the vehicle, in [rad/s].
-        model_formula: The first in symbols, empty where there is none to print.
-        exact_formula: The second in symbols.
-    """
-
-    mean: float
-    spread: float
-    from_model: bool
-    model_turn_rate: float
-    exact_turn_rate: float
-    model_formula: str
-    exact_formula: str
+    found = [span for span in log.mode_spans if not span[2].mode.nominal]
+    longest = sorted(found, key=lambda span: span[0] - span[1])[:FALLBACKS]
+    return sorted(longest, key=lambda span: span[0])
 
 
 # Section 3.1's steady turns for a clockwise orbit, in symbols.
 FORMULAS = {"exact": "v_d / d_d", "paper": "v_d / r_d", "paper9": "v_d r_d / d_d²"}
 
 
-def range_offset_finding(log: FlightLog) -> RangeOffset | None:
+def range_offset_finding(log: FlightLog) -> dict[str, Any] | None:
     """The range offset, where there is something to say about it.
 
     (9) and (11) replace d/r by cos(chi) and z/r by sin(chi), d = sqrt(r^2 - z^2). On the level
@@ -481,8 +438,13 @@ def range_offset_finding(log: FlightLog) -> RangeOffset | None:
         log: Record of the flight.
 
     Returns:
-        None if the model's turn is the plant's and the mean error is at most
-        :data:`NOTABLE_OFFSET`, or if nothing was recorded.
+        ``mean`` of the range error over the last third of the flight and ``spread``, half of its
+        peak-to-peak value there, in [m]; ``from_model``, whether the controller predicted with a
+        steady turn that is not the vehicle's; u_psi that holds the orbit in the prediction model,
+        ``model_turn_rate``, and on the vehicle, ``exact_turn_rate``, in [rad/s], and both in
+        symbols, ``model_formula`` and ``exact_formula``, empty where there is none to print. None
+        if the model's turn is the plant's and the mean error is at most :data:`NOTABLE_OFFSET`, or
+        if nothing was recorded.
     """
     errors = range_errors(log)
     from_model = (
@@ -496,12 +458,12 @@ def range_offset_finding(log: FlightLog) -> RangeOffset | None:
     exact = float(steady_inputs("exact", log.orbit)[0])
     sign = "\u2212" if exact < 0.0 else ""
     formula = FORMULAS.get(log.model, "")
-    return RangeOffset(
-        mean=mean,
-        spread=0.5 * float(np.ptp(errors)),
-        from_model=from_model,
-        model_turn_rate=float(steady_inputs(log.model, log.orbit)[0]) if from_model else exact,
-        exact_turn_rate=exact,
-        model_formula=sign + formula if formula else "",
-        exact_formula=sign + FORMULAS["exact"],
-    )
+    return {
+        "mean": mean,
+        "spread": 0.5 * float(np.ptp(errors)),
+        "from_model": from_model,
+        "model_turn_rate": float(steady_inputs(log.model, log.orbit)[0]) if from_model else exact,
+        "exact_turn_rate": exact,
+        "model_formula": sign + formula if formula else "",
+        "exact_formula": sign + FORMULAS["exact"],
+    }

@@ -59,10 +59,8 @@ def finish(axes: Axes, title: str, label: str, low: float, high: float) -> None:
         low: Least value that is shown, in the unit of ``label`` [-].
         high: Greatest value that is shown, in the unit of ``label`` [-].
     """
-    axes.set_title(title, loc="left")
-    axes.set_ylabel(label)
+    axes.set(title=title, ylabel=label, ylim=(low, high))
     axes.yaxis.set_label_coords(-0.12, 0.5)  # one line down the column, however long the numbers
-    axes.set_ylim(low, high)
     if axes.get_yscale() == "linear":
         axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
 
@@ -409,7 +407,6 @@ def _mode_panel(axes: Axes, log: FlightLog, rows: list[FallbackMode]) -> None:
     for first, last, flown in log.mode_spans:
         bar, row = (first, max(last - first, least)), rows.index(flown.mode)
         axes.broken_barh([bar], (row - 0.38, 0.76), color=MODES[flown.mode], lw=0.0)
-    axes.set_title("Mode that was flown", loc="left")
     if log.modes:
         changes = sum(not each.mode.nominal for each in log.modes)
         times = "once" if changes == 1 else f"{changes} times"
@@ -417,7 +414,7 @@ def _mode_panel(axes: Axes, log: FlightLog, rows: list[FallbackMode]) -> None:
     else:
         style: dict[str, Any] = {"ha": "center", "va": "center", "color": GREY}
         axes.text(0.5, 0.5, "not recorded", transform=axes.transAxes, **style)
-    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.set(title="Mode that was flown", ylim=(len(rows) - 0.4, -0.6))
     axes.set_yticks(range(len(rows)), [mode.value for mode in rows])
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False, axis="y")

@@ -28,8 +28,8 @@ from uav_tracking_mpc.studies.faults.kinds.messages import Corruption
 from uav_tracking_mpc.studies.faults.stream_fault import (
     FAMILIES,
     LATEST_STAMP,
+    NUMBERS,
     STREAMS,
-    numbers,
     shift,
 )
 
@@ -47,11 +47,11 @@ def test_stamps_move_as_far_as_stamps_go():
 )
 def test_numbers_can_be_set(topic, count):
     message = healthy(topic)
-    fields = numbers(topic, message)
+    fields = NUMBERS[topic.name](message)
     assert len(fields) == count
     for value, (holder, name) in enumerate(fields, 1):
         setattr(holder, name, float(value))
-    assert [getattr(holder, name) for holder, name in numbers(topic, message)] == [
+    assert [getattr(holder, name) for holder, name in NUMBERS[topic.name](message)] == [
         *range(1, count + 1)
     ]
 

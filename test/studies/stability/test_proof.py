@@ -51,15 +51,16 @@ def test_theorem3_holds_up_to_level_1_5_on_the_exact_model():
 def test_tree_is_complete_and_counts_add_up():
     proof = prove(decrease(PROBLEM, PARTS, 2.8))
     assert proof.proved
-    assert proof.leaves == proof.tree.count(".") == len(proof.multipliers)
-    assert proof.boxes == len(proof.tree) == 2 * proof.leaves - 1
+    leaves = proof.statistics["leaves"]
+    assert leaves == proof.tree.count(".") == len(proof.multipliers)
+    assert proof.statistics["boxes"] == len(proof.tree) == 2 * leaves - 1
     assert proof == prove(decrease(PROBLEM, PARTS, 2.8))  # at any load of the machine
 
 
 def test_a_spent_budget_ends_a_proof_with_why_it_stopped_and_what_to_do():
     proof = prove(decrease(PROBLEM, PARTS, 11.0), box_limit=5)
     assert not proof.proved
-    assert proof.boxes == 5
+    assert proof.statistics["boxes"] == 5
     assert proof.tree == ""
     assert "budget of 5 boxes is spent" in proof.stuck
     assert "--boxes" in proof.stuck

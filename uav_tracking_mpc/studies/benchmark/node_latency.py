@@ -208,7 +208,8 @@ START_LIMIT = 180.0  # s until the warm-up is flown, with the solver's compilati
 LOOK_PERIOD = 0.2  # s
 TURNS = 3  # with the page, and as many without
 SETTLING = 5.0  # s after a page was opened or closed that do not count
-CONTROLLER, PAGE, READER = "nmpc_controller", "page", "page_reader"
+CONTROLLER, SIMULATOR = "nmpc_controller", "uav_simulator"
+PAGE, READER = "page", "page_reader"
 
 
 # A time that passed: ``begin`` and ``end`` by the clock of the round trips in [s], and what a
@@ -239,7 +240,7 @@ class _TimedNodes:
             for name, module, arguments in (
                 (CONTROLLER, PROCESSES, [CONTROLLER, *given]),
                 ("target_publisher", "uav_tracking_mpc.nodes.target_publisher", given),
-                ("uav_simulator", PROCESSES, ["uav_simulator", *timed]),
+                (SIMULATOR, PROCESSES, [SIMULATOR, *timed]),
             ):
                 self._supervisor.start(f"{space} {name}".strip(), module, arguments)
         for result in self._results:
@@ -446,12 +447,10 @@ def _watched(
 
 if __name__ == "__main__":
     name, *given = sys.argv[1:]
-    if name == PAGE:
-        page(*given)
-    elif name == READER:
-        page_reader(*given)
-    elif name == CONTROLLER:
-        sys.exit(run(name, timed_controller, given))
-    else:
-        result, *given = given
-        sys.exit(run(name, lambda: TimedSimulator(result), given))
+    programs = {
+        PAGE: lambda: page(*given),
+        READER: lambda: page_reader(*given),
+        CONTROLLER: lambda: run(name, timed_controller, given),
+        SIMULATOR: lambda: run(name, lambda: TimedSimulator(given[0]), given[1:]),
+    }
+    sys.exit(programs[name]())

@@ -36,7 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
-from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, wrap_angle
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.limits import TOLERANCE, Motion
 from uav_tracking_mpc.limits.turn import Bank
 from uav_tracking_mpc.report.metrics import flown_bank, settling_time
@@ -159,8 +159,6 @@ def worst(flights: Sequence[Measures]) -> Measures:
     Args:
         flights: At least one.
     """
-    if len(flights) == 1:
-        return flights[0]
     names = [field.name for field in dataclasses.fields(Measures)]
     return Measures(**{name: _worst(name, [getattr(f, name) for f in flights]) for name in names})
 
@@ -220,17 +218,13 @@ def _at_samples(log: FlightLog) -> Motion:
 
 def _between_samples(log: FlightLog) -> Motion:
     samples, step = _at_samples(log), np.diff(log.time)
-    _, _, _, heading, _, _ = log.vehicle.T
-    turn_rate = np.asarray(wrap_angle(np.diff(heading))) / step
-    if log.measured_bank is not None:
-        turn_rate = -GRAVITY * np.tan(flown_bank(log)) / _middle(samples.airspeed)
     return Motion(
         x=_middle(samples.x),
         y=_middle(samples.y),
         z=_middle(samples.z),
         path_angle=_middle(samples.path_angle),
         airspeed=_middle(samples.airspeed),
-        turn_rate=turn_rate,
+        turn_rate=-GRAVITY * np.tan(flown_bank(log)) / _middle(samples.airspeed),
         acceleration=np.diff(samples.airspeed) / step,
     )
 

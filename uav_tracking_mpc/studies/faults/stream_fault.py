@@ -66,20 +66,7 @@ def raw(topic: Topic) -> Topic:
 
 LATEST_STAMP = 2**31 - 1  # s, where builtin_interfaces/Time ends
 
-Field = tuple[Any, str]
-
-
-def numbers(topic: Topic, message: Any) -> list[Field]:
-    """Fields that hold what a controller or a vehicle computes with.
-
-    Args:
-        topic: Of the message.
-        message: With those fields.
-
-    Returns:
-        (object that holds the field, name of the field) of each.
-    """
-    return _NUMBERS[topic.name](message)
+Field = tuple[Any, str]  # object that holds it, and its name
 
 
 def shift(stamp: Any, seconds: float) -> None:
@@ -116,7 +103,8 @@ def _command(message: Any) -> list[Field]:
     ]
 
 
-_NUMBERS = {
+# By the topic: fields of a message that hold what a controller or a vehicle computes with.
+NUMBERS = {
     ODOMETRY.name: _odometry,
     AIR_VELOCITY.name: lambda message: _axes(message.twist.linear),
     TARGET.name: lambda message: _axes(message.point),

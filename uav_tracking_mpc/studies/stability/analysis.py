@@ -409,7 +409,7 @@ def _first_proved(
         proof = prove(bound(number), min(boxes, left))
         if proof.proved:
             return number, proof
-        left -= proof.boxes
+        left -= proof.statistics["boxes"]
         if left <= 0:
             break
     return None, proof

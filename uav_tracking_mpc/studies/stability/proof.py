@@ -42,6 +42,7 @@ from __future__ import annotations
 import platform
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -78,18 +79,15 @@ class Proof:
         tree: The boxes in preorder (empty unless proved).
         multipliers: m of the test on each leaf [-], in the order of the tree (empty unless
             proved).
-        boxes: Boxes tested.
-        leaves: Boxes on which the bound was proved.
-        depth: Largest number of halvings.
+        statistics: ``boxes`` tested, ``leaves``, on which the bound was proved, and ``depth``,
+            largest number of halvings.
     """
 
     stuck: str | None
     half: tuple[float, ...]
     tree: str
     multipliers: tuple[float, ...]
-    boxes: int
-    leaves: int
-    depth: int
+    statistics: dict[str, int]
 
     @property
     def proved(self) -> bool:
@@ -137,9 +135,7 @@ def prove(bound: QuadraticBound, box_limit: int = BOXES) -> Proof:
         half=tuple(root.tolist()),
         tree=tree,
         multipliers=found,
-        boxes=boxes,
-        leaves=leaves,
-        depth=len(layers) - 1,
+        statistics={"boxes": boxes, "leaves": leaves, "depth": len(layers) - 1},
     )
 
 
@@ -286,12 +282,8 @@ def limits(problem: StabilityProblem, ingredients: TerminalIngredients) -> tuple
         limit("range above the depth below the target, r > -z", range_ + altitude, (1, 0, 1, 0, 0)),
         limit("bearing error below half a turn, |x_2| < pi", HALF_TURN, (0, 1, 0, 0, 0)),
     ]
-    return lowest(inputs), lowest(domain)
-
-
-def lowest(limits: list[Limit]) -> Limit:
-    """The one of some ``limits`` that binds first."""
-    return min(limits, key=lambda limit: limit.level)
+    binding = attrgetter("level")
+    return min(inputs, key=binding), min(domain, key=binding)
 
 
 @dataclass(frozen=True)
@@ -329,7 +321,7 @@ class DirectCondition:
 
 def allowed_level(*limits: Limit) -> float:
     """The largest level [-] that stays below some ``limits`` by the margin."""
-    return lowest(list(limits)).level * (1.0 - MARGIN)
+    return min(limit.level for limit in limits) * (1.0 - MARGIN)
 
 
 def decrease(
@@ -420,7 +412,7 @@ def certificate(
         "root": list(proof.half),
         "tree": proof.tree,
         "multipliers": list(proof.multipliers),
-        "statistics": {"boxes": proof.boxes, "leaves": proof.leaves, "depth": proof.depth},
+        "statistics": proof.statistics,
         "versions": _versions(),
     }
     content["digest"] = digest(content)

@@ -28,7 +28,6 @@ may leave and return: its cost stays below varrho all the same) and is counted a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import islice, pairwise
 from typing import IO, Any
@@ -202,7 +201,7 @@ def _result(law: str, flights: int, steps: int, largest: float, **counts: int) -
 
 def local_flights(
     problem: StabilityProblem, gain: NDArray[np.float64], states: NDArray[np.float64], steps: int
-) -> list[NDArray[np.float64]]:
+) -> NDArray[np.float64]:
     """States under kappa_l: those of shape (count, 5), then those after each step.
 
     Args:
@@ -214,7 +213,7 @@ def local_flights(
     dynamics, path = problem.dynamics(), [np.asarray(states, dtype=float)]
     for _ in range(steps):
         path.append(np.array(dynamics(path[-1].T, (path[-1] @ gain.T).T)).T)
-    return path
+    return np.array(path)
 
 
 def fly_local(
@@ -223,9 +222,10 @@ def fly_local(
     """Fly kappa_l from every state of shape (count, 5) for some steps, with varrho [-]."""
     parts, (lower, upper) = problem.ingredients(), problem.deviation_bounds()
     path = local_flights(problem, parts.gain, states, steps)
-    inputs = np.array([x @ parts.gain.T for x in path[:-1]])
-    stages = _squares(path[:-1], q_star(problem, parts.gain))
-    heights = _squares(path, parts.weight)
+    inputs = path[:-1] @ parts.gain.T
+    squares = "tki,ij,tkj->tk"
+    stages = np.einsum(squares, path[:-1], q_star(problem, parts.gain), path[:-1])
+    heights = np.einsum(squares, path, parts.weight, path)
     happened = (
         ~(heights[1:] <= level * (1.0 + 1e-12)),  # also where they are no numbers
         np.any((inputs < lower - 1e-12) | (inputs > upper + 1e-12), axis=2),
@@ -235,13 +235,6 @@ def fly_local(
     counts = {n: int(each.any(axis=0).sum()) for n, each in zip(EXCLUDED, happened, strict=False)}
     count, largest = len(states), float(heights.max()) / level
     return _result("kappa_l", count, count * steps, largest, **counts, failures=0)
-
-
-def _squares(
-    path: Sequence[NDArray[np.float64]], weight: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Of each state of each step x'Wx."""
-    return np.array([np.einsum("ki,ij,kj->k", x, weight, x) for x in path])
 
 
 def fly_nmpc(

@@ -65,7 +65,12 @@ from uav_tracking_mpc.studies.stability.stability_campaign import (
 )
 from uav_tracking_mpc.studies.study import Say, Study, plain
 from uav_tracking_mpc.terminal.certificate import problem_parameters
-from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
+from uav_tracking_mpc.terminal.ingredients import (
+    StabilityProblem,
+    decrease_excess,
+    directions,
+    q_star,
+)
 
 
 def as_json(analysis: Analysis) -> dict[str, Any]:
@@ -103,14 +108,7 @@ def as_json(analysis: Analysis) -> dict[str, Any]:
         "gain": analysis.ingredients.gain.tolist(),
         "weight": analysis.ingredients.weight.tolist(),
         "proofs": {
-            name: None
-            if reach.proof is None
-            else {
-                "boxes": reach.proof.boxes,
-                "leaves": reach.proof.leaves,
-                "depth": reach.proof.depth,
-                "stopped": reach.proof.stuck,
-            }
+            name: reach.proof and {**reach.proof.statistics, "stopped": reach.proof.stuck}
             for name, reach in reaches.items()
         },
         "verdict": "no terminal set" if direct is None else direct.reason,
@@ -175,7 +173,7 @@ def ellipsoid_figure(problem: StabilityProblem, level: float) -> Figure:
     parts = problem.ingredients()
     inverse = np.linalg.inv(parts.weight)
     states = np.sqrt(level) * directions(parts.weight, 12, np.random.default_rng(3))
-    paths = np.array(local_flights(problem, parts.gain, states, 60))
+    paths = local_flights(problem, parts.gain, states, 60)
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
     circle = np.stack([np.cos(turn), np.sin(turn)])
     with drawing(11.0, 3.8) as figure:
@@ -445,13 +443,10 @@ def _candidate(asked: StabilityProblem, scaling: float, input_factor: float) -> 
 
 def _cost(asked: StabilityProblem, gain: np.ndarray, steps: int = 120) -> float:
     """Mean cost of kappa_l in the weights asked for, from states common to all candidates."""
-    weight, total = asked.ingredients().weight, 0.0
-    states = np.sqrt(0.5) * directions(weight, 200, np.random.default_rng(0))
-    for x in local_flights(asked, gain, states, steps - 1):
-        u = x @ gain.T
-        total += float(np.einsum("ki,ij,kj->", x, asked.state_weight, x))
-        total += float(np.einsum("ki,ij,kj->", u, asked.input_weight, u))
-    return total / len(states) if np.isfinite(total) else float("inf")
+    states = np.sqrt(0.5) * directions(asked.ingredients().weight, 200, np.random.default_rng(0))
+    path = local_flights(asked, gain, states, steps - 1)
+    cost = np.einsum("tki,ij,tkj->", path, q_star(asked, gain), path) / len(states)
+    return float(cost) if np.isfinite(cost) else float("inf")
 
 
 def _table(candidates: list[Candidate]) -> Table:

@@ -27,10 +27,10 @@ from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
 from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.stream_fault import (
     FAMILIES,
+    NUMBERS,
     ChangeFault,
     StreamFault,
     TopicFault,
-    numbers,
     shift,
 )
 
@@ -153,7 +153,7 @@ FAR = 9e6  # m; finite, within any check of plausibility that leaves room for th
 
 def bad_number(value: float, topic: Topic, message: Any, rng: random.Random) -> None:
     """Replace one number by this one, of either sign."""
-    fields = numbers(topic, message)
+    fields = NUMBERS[topic.name](message)
     if fields:
         holder, name = rng.choice(fields)
         setattr(holder, name, rng.choice((1.0, -1.0)) * value)
@@ -189,7 +189,7 @@ def negative_speed(topic: Topic, message: Any, rng: random.Random) -> None:
 def absurd(topic: Topic, message: Any, rng: random.Random) -> None:
     """Put a state or a target 9000 km away, or command 1000 rad/s."""
     if topic == COMMAND:
-        for holder, name in numbers(topic, message):
+        for holder, name in NUMBERS[topic.name](message):
             setattr(holder, name, rng.choice((1e3, -1e3)))
         return
     place = message.point if topic == TARGET else message.pose.pose.position
