@@ -22,6 +22,7 @@ import pytest
 from stepped_flight import ORBIT, ByController, Nobody, Planner, engaged_flight, flight
 
 from uav_tracking_mpc.autopilot.simulated_autopilot import SteppedAutopilot
+from uav_tracking_mpc.autopilot.telemetry_messages import MessageRates
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links import VEHICLE_LINK
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
@@ -218,6 +219,23 @@ def test_a_clock_that_wraps_is_a_restart_after_which_it_can_be_engaged_again(dia
     flown.fly(2.0)
     assert flown.link.engaged
     assert flown.sent_after(flown.time - 0.5)
+
+
+@BOTH
+def test_telemetry_that_has_stopped_as_a_whole_or_in_part_is_asked_for_again(dialect):
+    flown = flight(dialect).fly(2.0)
+    flown.autopilot.protocol.rates.ask("VFR_HUD", -1.0)
+    flown.fly(3.0)
+    assert flown.link.heard.telemetry.airspeed is not None
+    fault = flown.autopilot.begin_fault("silence")
+    flown.fly(1.5)
+    flown.autopilot.restart()
+    flown.autopilot.protocol.rates = MessageRates({"HEARTBEAT": 1.0})  # all it tells by itself
+    flown.fly(1.0)
+    flown.autopilot.end_fault(fault)
+    planner = Planner()
+    flown.fly(3.0, planner)
+    assert planner.states > 40
 
 
 @BOTH

@@ -40,8 +40,8 @@ def telemetry(origin=None):
     return Telemetry(clock, origin)
 
 
-def home():
-    latitude, longitude = math.degrees(HOME.latitude), math.degrees(HOME.longitude)
+def home(latitude=math.degrees(HOME.latitude)):
+    longitude = math.degrees(HOME.longitude)
     return mavlink.MAVLink_home_position_message(
         round(latitude * 1e7), round(longitude * 1e7), 488000, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0
     )
@@ -178,6 +178,14 @@ def test_without_air_data_or_with_old_ones_there_is_no_airspeed():
 )
 def test_what_is_missing_or_nonsense_makes_no_measurement(messages):
     assert flown(telemetry(), *messages) is None
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf])
+def test_a_wind_from_nowhere_and_a_home_that_is_no_place_on_earth_are_left_out(wrong):
+    heard = telemetry()
+    flown(heard, home(200.0), home(), home(200.0), mavlink.MAVLink_wind_message(wrong, 8.0, 0.0))
+    assert heard.wind is None
+    assert heard.home.latitude == heard.frame.latitude == pytest.approx(HOME.latitude)
 
 
 def test_a_repeated_or_overtaken_position_makes_no_measurement():

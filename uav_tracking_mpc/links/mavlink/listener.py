@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -92,6 +92,7 @@ ALWAYS = (
     mavlink.MAVLINK_MSG_ID_ATTITUDE,
     mavlink.MAVLINK_MSG_ID_VFR_HUD,
 )
+COUNTED = tuple(mavlink.mavlink_map[number].msgname for number in ALWAYS)
 NOW_AND_THEN = (
     mavlink.MAVLINK_MSG_ID_SYS_STATUS,
     mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
@@ -101,7 +102,7 @@ NOW_AND_THEN = (
 HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
 SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
 REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
-KEPT_RATE = 0.7  # -, of the states that came at best, below which they are asked for again
+KEPT_RATE = 0.7  # -, of the messages that came at best, below which they are asked for again
 LOST = 5.0  # s without a heartbeat
 STALL = 2.0  # s in which nobody read, after which what waits is too old for its arrival to count
 BACKLOG = 10000  # reads in a row of what waits
@@ -167,7 +168,7 @@ class Listener:
         self._asked_at, self._told_lost, self._told_wire = 0, False, False
         self._heartbeat_at = -math.inf
         self._looked_at = math.inf
-        self._counted, self._counted_at, self._usual_rate = 0, -math.inf, 0.0
+        self._counted, self._counted_at, self._usual_rate = Counter[str](), -math.inf, 0.0
         self._due: dict[str, float] = {}
 
     @property
@@ -316,6 +317,7 @@ class Listener:
         """Take in a message of the autopilot."""
         kind = message.get_type()
         self.latest[kind] = message
+        self._counted[kind] += 1
         of_this_boot = True
         if hasattr(message, "time_boot_ms"):
             restarts = self.clock.restarts
@@ -335,7 +337,6 @@ class Listener:
             level = Level.WARNING if message.severity <= SEVERE else Level.INFO
             self._events.add(level, f"autopilot: {message.text}")
         elif of_this_boot and (measurement := self.telemetry.see(message, arrival)) is not None:
-            self._counted += 1
             if arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)
                 self.on_measurement(measurement, arrival)
@@ -386,10 +387,11 @@ class Listener:
 
     def _watch_rate(self, now: float) -> None:
         """Ask for telemetry that is missing, or slowed down by another program such as MAVProxy."""
-        rate = self._counted / (now - self._counted_at)
-        slowed = self._counted > 0 and rate < KEPT_RATE * self._usual_rate
+        rate = min(self._counted[kind] for kind in COUNTED) / (now - self._counted_at)
+        slowed = rate < KEPT_RATE * self._usual_rate
         self._usual_rate = min(max(self._usual_rate, rate), self._parameters.telemetry_rate)
-        self._counted, self._counted_at = 0, now
+        self._counted_at = now
+        self._counted.clear()
         if slowed or self.telemetry.newest is None:
             self.ask_for_telemetry()
 

@@ -36,6 +36,7 @@ are.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections import deque
 from statistics import pstdev
@@ -354,6 +355,8 @@ class Telemetry:
 
     def _see_wind(self, message: Any, arrival: float) -> None:
         # ArduPilot tells where the wind comes from, clockwise from North, and its part down.
+        if not math.isfinite(message.direction):
+            return
         azimuth = math.radians(message.direction)
         north, east = -math.cos(azimuth), -math.sin(azimuth)
         self._set_wind([message.speed * east, message.speed * north, -message.speed_z], arrival)
@@ -366,13 +369,10 @@ class Telemetry:
             self.wind, self._wind_at = np.array(wind), arrival
 
     def _see_home(self, message: Any, arrival: float) -> None:
-        self.home = LocalFrame(
-            message.latitude * DEGREE_SCALE,
-            message.longitude * DEGREE_SCALE,
-            message.altitude * 1e-3,
-        )
-        if self.frame is None:
-            self.frame = self.home
+        latitude, longitude = message.latitude * DEGREE_SCALE, message.longitude * DEGREE_SCALE
+        with contextlib.suppress(ValueError):  # there is no such latitude
+            self.home = LocalFrame(latitude, longitude, message.altitude * 1e-3)
+            self.frame = self.frame or self.home
 
     def _see_position(self, message: Any, arrival: float) -> Measurement | None:
         time = message.time_boot_ms * 1e-3
