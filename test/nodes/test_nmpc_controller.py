@@ -50,6 +50,7 @@ from uav_tracking_mpc.nodes.topics import (
     ORBIT,
     PREDICTED_PATH,
     TARGET,
+    TARGET_GOAL,
     TARGET_ODOMETRY,
     TRACKING,
     TRACKING_ERRORS,
@@ -217,6 +218,10 @@ def test_a_motion_that_cannot_be_taken_up_is_told_until_another_one_is(nodes, mo
     node._measure()
     words = "the motion failed, the one before goes on: the map has an edge"
     assert node._diagnostics.status.message == words
+    node._unchanged = ""
+    monkeypatch.setattr(node._target, "go_to", fail)
+    callback(node, TARGET_GOAL.name)(filled_point(0))
+    assert node._unchanged == words
     monkeypatch.setattr(node._target, "change", change)
     node.set_parameters([Parameter("motion", value="circle")])
     assert node._target.parameters.motion == "circle"

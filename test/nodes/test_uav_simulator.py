@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 from filled_messages import filled_orbit
 from processes import wait_for
+from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
@@ -27,6 +28,7 @@ from uav_tracking_mpc.nodes.ros.diagnostics import ERROR
 from uav_tracking_mpc.nodes.ros.endpoints import OUTAGE
 from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 pytestmark = pytest.mark.nodes
 
@@ -78,6 +80,22 @@ def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path, measur
     assert node._now == 500_000_000  # time goes on
     one_step = 0.05 * 8.0  # m: it had flown on when it could not be measured
     assert node._values()["x [m]"] == pytest.approx(node.published[-1][1], abs=one_step)
+
+
+@pytest.mark.parametrize("failing", ["wind", "see_orbit", "check"])
+def test_nothing_of_a_plant_ends_the_node(simulator, monkeypatch, failing):
+    def fail(*arguments):
+        raise RuntimeError("the wing came off")
+
+    node = simulator(publish_clock=True)
+    monkeypatch.setattr(VehiclePlant, failing, property(fail) if failing == "wind" else fail)
+    node._step()
+    node._on_orbit(filled_orbit(0, FlownOrbit(np.zeros(3), np.zeros(3), 100.0, 9.0)))
+    answer = node.set_parameters_atomically([Parameter("wind", value=[1.0, 0.0, 0.0])])
+    assert answer.successful == (failing != "check")
+    node._diagnostics.publish()
+    assert node._rejected == 0
+    assert bool(node._failure) == (failing == "wind")
 
 
 def test_an_autopilot_that_holds_altitude_and_airspeed_is_told_the_orbit(simulator):

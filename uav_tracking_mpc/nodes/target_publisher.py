@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -87,13 +88,16 @@ class TargetPublisher(Node):
         return (self.get_clock().now().nanoseconds - self._start) * 1e-9
 
     def _take(self, parameters: TargetParameters) -> None:
-        now, self._unchanged = self._time(), ""
-        try:
-            self._target.change(now, parameters)
-        except Exception as error:  # whatever a user's motion raises, the node goes on
-            self._unchanged = f"the motion failed, the one before goes on: {error}"
         self._sensor.change(parameters)
         self.parameters = parameters
+        self._steer(lambda now: self._target.change(now, parameters))
+
+    def _steer(self, change: Callable[[float], None]) -> None:
+        now, self._unchanged = self._time(), ""
+        try:
+            change(now)
+        except Exception as error:  # whatever a user's motion raises, the node goes on
+            self._unchanged = f"the motion failed, the one before goes on: {error}"
         self._tell_truth()
         self._report(now)
 
@@ -111,9 +115,7 @@ class TargetPublisher(Node):
             self._refuse(answer.reason)
             return
         # It may stand elsewhere although its position was this one already.
-        self._target.go_to(self._time(), goal)
-        self._tell_truth()
-        self._report(self._time())
+        self._steer(lambda now: self._target.go_to(now, goal))
 
     def _refuse(self, words: str) -> None:
         self._refused += 1

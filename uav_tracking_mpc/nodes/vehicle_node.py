@@ -52,7 +52,6 @@ from uav_tracking_mpc.nodes.topics import (
     STATIC_TRANSFORMS,
     TRANSFORMS,
     FrameNames,
-    MessageError,
     frame_names,
 )
 
@@ -128,7 +127,7 @@ class VehicleNode(Node):
         try:
             orbit = orbit_from_message(message, self._frames)
             self._see_orbit(orbit, nanoseconds(message.header.stamp))
-        except MessageError as error:
+        except Exception as error:  # whatever a user's plant raises, the node goes on
             self._refuse("orbit", str(error))
 
     def _refuse(self, what: str, words: str) -> None:

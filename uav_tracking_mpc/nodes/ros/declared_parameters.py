@@ -118,7 +118,7 @@ def follow_parameters(
         try:
             candidate = from_mapping(kind, values | asked)
             check(candidate)
-        except ParameterError as error:
+        except Exception as error:  # whatever a user's extension raises, the node goes on
             return SetParametersResult(successful=False, reason=str(error))
         agreed = candidate
         return SetParametersResult(successful=True)
