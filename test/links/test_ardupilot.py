@@ -153,6 +153,13 @@ def test_without_a_companion_it_loiters_about_the_target(engaged):
     assert core.state.airspeed == pytest.approx(ORBIT.airspeed, abs=0.2)
 
 
+def test_an_orbit_at_the_least_airspeed_in_thinner_air_is_not_flown_at_cruise(engaged):
+    slow = engaged.link.inspect().envelope["airspeed_min"]
+    engaged.fly(2.0, Planner(ORBIT._replace(centre=np.array([0.0, 0.0, 400.0]), airspeed=slow)))
+    assert engaged.autopilot.core._guided.speed == engaged.link.vehicle["AIRSPEED_MIN"]
+    assert engaged.link.values()["commands refused"] == 0
+
+
 def test_a_pilot_who_hands_over_again_elsewhere_is_brought_to_that_loiter_too():
     by_mode = LinkParameters(link="ardupilot", engage_on_mode=True)
     flown = flight("ardupilot", link=by_mode).fly(1.5)

@@ -50,6 +50,7 @@ def test_defaults_are_table_1():
         ({"direction": "left"}, "'direction' is .*left.*must be one of .*nearest"),
         ({"autopilot_holds": True}, "'autopilot_holds' is true, must be false unless terminal_con"),
         ({"vehicle_model": "held"}, "'autopilot_holds' is false, must not be with vehicle_model"),
+        ({"model": "mine.py:Mine"}, "parameter 'model' is 'mine.py:Mine': there is no file"),
         ({"terminal_constraint": "orbit"}, "'terminal_constraint' is .*artificial_orbit"),
     ],
 )

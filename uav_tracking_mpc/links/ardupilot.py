@@ -263,7 +263,9 @@ class ArduPilotLink(MavlinkLink):
         if self._moved(orbit, now):
             self._reposition(orbit, now, 0.0, "a loiter about the target")
         _, _, altitude = frame.place(orbit.centre)
-        equivalent = orbit.airspeed / true_over_equivalent(altitude)
+        slowest, fastest = self.envelope().told("AIRSPEED_MIN", "AIRSPEED_MAX")
+        # Another one is refused; an orbit far above has its own ratio to the true airspeed.
+        equivalent = min(max(orbit.airspeed / true_over_equivalent(altitude), slowest), fastest)
         self._set(
             mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE,
             altitude,

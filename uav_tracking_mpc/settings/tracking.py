@@ -176,7 +176,10 @@ class PaperParameters(ProblemParameters):
     def __post_init__(self) -> None:
         """Check that u_ss is inside U."""
         super().__post_init__()
-        turn_rate = abs(self.steady_inputs[0])
+        try:
+            turn_rate = abs(self.steady_inputs[0])
+        except Exception as error:  # of a user's model
+            raise ParameterError(f"parameter 'model' is {self.model!r}: {error}") from error
         if turn_rate >= self.yaw_rate_max:
             raise ParameterError(
                 f"parameter 'yaw_rate_max' is {self.yaw_rate_max:.6g}, must exceed "

@@ -93,6 +93,9 @@ def test_a_pilot_who_takes_over_while_the_link_is_dead_keeps_the_aircraft():
     vehicle.tells("HOLD", failsafe=True, silent=True, after=3.0)
     assert vehicle.tells("HOLD", failsafe=False) is State.IDLE
     assert vehicle.tells("OURS") is State.IDLE
+    vehicle = Vehicle().engaged()
+    vehicle.tells("OURS", failsafe=True)  # that of a low battery stands all the while
+    assert vehicle.tells("MANUAL", failsafe=True, silent=True, after=3.0) is State.IDLE
 
 
 def test_a_pilot_may_hand_over_by_the_mode_where_that_is_allowed():

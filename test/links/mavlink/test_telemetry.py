@@ -204,7 +204,8 @@ def test_an_overtaken_attitude_does_not_come_in_place_of_the_later_one():
 def test_the_wind_is_where_it_blows_to():
     heard = telemetry()
     for message, wind in (
-        (mavlink.MAVLink_wind_message(270.0, 8.0, 0.5), (8.0, 0.0, -0.5)),  # from the West, down
+        # from the West, down: ArduPilot tells the length in space
+        (mavlink.MAVLink_wind_message(270.0, math.hypot(8.0, 0.5), 0.5), (8.0, 0.0, -0.5)),
         (mavlink.MAVLink_wind_cov_message(0, 3.0, -4.0, 0.0, 1, 1, 0, 0, 0), (-4.0, 3.0, 0.0)),
         (mavlink.MAVLink_wind_message(math.nan, 8.0, 0.5), (-4.0, 3.0, 0.0)),
     ):

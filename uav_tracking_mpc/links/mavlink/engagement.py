@@ -62,6 +62,7 @@ class Engagement:
         self._heard = math.inf
         self._back = self._told_at = -math.inf  # when a silence has ended, and a mode was told
         self._ours_before: bool | None = None
+        self._failsafe = False  # one may stand while we command: that of a low battery
         self._asked_in = ""  # name of the mode in which somebody engaged
 
     @property
@@ -121,6 +122,7 @@ class Engagement:
             failsafe: Whether the autopilot says that it is in one.
         """
         before, self._ours_before = self._ours_before, ours
+        fails, self._failsafe = failsafe and not self._failsafe, failsafe
         was_silent, self._told_at = self._told_at <= self._back, now
         if not armed:
             self.give_up("disarmed")
@@ -128,7 +130,7 @@ class Engagement:
             self._enter(switched=before is False)
         elif self.state is State.ASKING and name == self._asked_in:
             pass  # not yet
-        elif self.state is State.ENGAGED and failsafe and was_silent:
+        elif self.state is State.ENGAGED and fails and was_silent:
             self.state = State.SUSPENDED
             self._events.add(
                 Level.WARNING, f"the link was dead, the autopilot's failsafe flies in mode {name}"

@@ -358,8 +358,9 @@ class Telemetry:
         if not math.isfinite(message.direction):
             return
         azimuth = math.radians(message.direction)
-        north, east = -math.cos(azimuth), -math.sin(azimuth)
-        self._set_wind([message.speed * east, message.speed * north, -message.speed_z], arrival)
+        level = math.sqrt(max(message.speed**2 - message.speed_z**2, 0.0))  # of its length in space
+        north, east = -level * math.cos(azimuth), -level * math.sin(azimuth)
+        self._set_wind([east, north, -message.speed_z], arrival)
 
     def _see_wind_covariance(self, message: Any, arrival: float) -> None:
         self._set_wind([message.wind_y, message.wind_x, -message.wind_z], arrival)
