@@ -327,5 +327,6 @@ def test_a_plan_that_cannot_be_flown_is_refused_in_words(dialect):
     link = flight(dialect).link
     level, now = np.zeros((2, 3)), link.now()
     assert "not finite" in link.command(now, level * math.nan, 0.5)
-    for orbit in (ORBIT._replace(radius=math.nan), ORBIT._replace(centre=np.zeros(2))):
+    for wrong in ({"radius": math.nan}, {"airspeed_now": 1e300}, {"centre": np.zeros(2)}):
+        orbit = ORBIT._replace(**wrong)
         assert "must be finite" in link.command(now, level, 0.5, orbit)

@@ -207,7 +207,7 @@ def words_of(error: Exception) -> str:
     """
     if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
         return "another program receives there, and would lose messages; end it or take another"
-    return str(error)
+    return f"{error}: `pip install pyserial`" if isinstance(error, ImportError) else str(error)
 
 
 def _quick(stream: socket.socket) -> socket.socket:

@@ -98,6 +98,7 @@ class Latency:
 
 PERIOD = 0.02  # s between looks at what is due
 BACKLOG = 1000  # reads in a row, after which what is due is looked at
+LARGEST = 1e7  # m, m/s or rad/s: no number of an orbit on this earth is greater
 ASKING_PERIOD = 1.0  # s between requests for the mode of external commands
 
 
@@ -313,8 +314,9 @@ class MavlinkLink(VehicleLink):
         """See :meth:`VehicleLink.command`."""
         if orbit is not None:
             numbers = np.hstack(orbit)  # of its own: the caller's arrays may change
-            if numbers.shape != (10,) or not np.isfinite(numbers).all():
-                return f"the orbit is {orbit}, must be finite, with points of shape (3,)"
+            if numbers.shape != (10,) or not (np.abs(numbers) <= LARGEST).all():
+                words = f"must be finite and within {LARGEST:g}, with points of shape (3,)"
+                return f"the orbit is {orbit}, {words}"
             orbit = FlownOrbit(numbers[:3], numbers[3:6], *numbers[6:].tolist())
         now = self.now()
         with self._lock:
