@@ -325,9 +325,8 @@ class ArduPlane(AutopilotCore):
         """P/GCS_MAVLink_Plane.cpp, ``handle_command_int_do_reposition``."""
         up = self.altitude_in_map(order.z, order.frame)
         place = (order.x, order.y, order.z)
-        if up is None or not all(map(math.isfinite, place)) or abs(order.x) > 90.0:
-            return Result.DENIED
-        if abs(order.y) > 180.0 or order.x == order.y == 0.0:
+        beyond = abs(order.x) > 90.0 or abs(order.y) > 180.0 or order.x == order.y == 0.0
+        if up is None or not all(map(math.isfinite, place)) or beyond:
             return Result.DENIED
         if not int(order.param2) & REPOSITION_CHANGES_MODE and self.mode != "GUIDED":
             return Result.FAILED

@@ -172,9 +172,7 @@ class VehicleProtocol:
 
     def _request(self, order: Order) -> int:
         name = self._named(order.param1)
-        if name is None:
-            return self.core.traits.unknown_message
-        return self._tell(name)
+        return self.core.traits.unknown_message if name is None else self._tell(name)
 
     def _tell(self, name: str) -> int:
         self._send(telemetry(self.core, name))

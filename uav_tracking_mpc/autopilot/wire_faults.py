@@ -74,21 +74,17 @@ class AutopilotFault(StreamRule):
 class Mute(StreamRule):
     """The autopilot hears and is not heard."""
 
-    name = "mute"
+    name, _lost = "mute", True  # of what it sends
 
     def deliver(self, stream: bool, piece: bytes) -> Sequence[Delivery]:
         """See :meth:`StreamRule.deliver`."""
-        return [] if stream else [(0.0, piece)]
+        return [] if stream is self._lost else [(0.0, piece)]
 
 
-class Deaf(StreamRule):
+class Deaf(Mute):
     """The autopilot is heard and does not hear."""
 
-    name = "deaf"
-
-    def deliver(self, stream: bool, piece: bytes) -> Sequence[Delivery]:
-        """See :meth:`StreamRule.deliver`."""
-        return [(0.0, piece)] if stream else []
+    name, _lost = "deaf", False
 
 
 class Garbage(StreamRule):

@@ -25,7 +25,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -341,12 +340,9 @@ def _drain(supervisor: Supervisor, recorder: FlightRecorder, executor: EventsExe
 def signals() -> Iterator[list[int]]:
     """SIGINT and SIGTERM as a list that fills, instead of exceptions."""
     received: list[int] = []
-
-    def remember(number: int, frame: FrameType | None) -> None:
-        received.append(number)
-
     previous = {
-        number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)
+        number: signal.signal(number, lambda number, _: received.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
     }
     try:
         yield received

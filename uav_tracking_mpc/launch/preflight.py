@@ -172,9 +172,7 @@ def _forces(present: TrackingParameters, envelope: Mapping[str, Any]) -> dict[st
 def _tighter(name: str, before: float, value: float) -> float:
     """The tighter of two limits; the vehicle's number where it is none."""
     choose = {"_max": min, "_min": max}.get(name[-4:])
-    if choose is None or name.startswith(HELD):
-        return value
-    return choose(before, value)
+    return value if choose is None or name.startswith(HELD) else choose(before, value)
 
 
 def _same(before: Any, value: Any) -> bool:

@@ -316,10 +316,8 @@ class AutopilotLink(VehicleNode):
             return _failed(error)
 
     def _look(self) -> None:
-        try:
-            self._look_at_link()
-        except Exception as error:  # whatever a user's link raises, the node goes on
-            self._diagnostics.report(diagnostics.ERROR, _failed(error))
+        if failure := self._guarded(self._look_at_link):
+            self._diagnostics.report(diagnostics.ERROR, failure)
 
     def _look_at_link(self) -> None:
         """Report what has happened to the link, and how it is."""

@@ -39,7 +39,7 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     position_from_point,
     target_from_odometry,
 )
-from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, steady_timer
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, namespaces, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
@@ -83,14 +83,7 @@ class Monitor(Node):
         steady_timer(self, REFRESH_PERIOD, self._refresh)
 
     def _refresh(self) -> None:
-        # An aircraft is where somebody publishes its state.
-        suffix = f"/{ODOMETRY.name}"
-        namespaces = {
-            name.removesuffix(suffix) or "/"
-            for name, _ in self.get_topic_names_and_types()
-            if name.endswith(suffix) and self.count_publishers(name)
-        }
-        self._others = sorted(namespaces - {self.get_namespace()})
+        self._others = sorted(namespaces(self) - {self.get_namespace()})
         self._live.update(self.table())
 
     def _on_message(self, topic: Topic, message: Any) -> None:

@@ -159,7 +159,8 @@ class UavSimulator(VehicleNode):
                 self._now = self.get_clock().now().nanoseconds  # nothing has flown yet
         if self._paused:
             return
-        self._advance(self._elapsed())
+        driven = self._clock_publisher is not None  # or followed
+        self._advance(self._tick if driven else self.get_clock().now().nanoseconds - self._now)
         if self._clock_publisher is not None:
             set_stamp(self._clock_message.clock, self._now)
             self._clock_publisher.publish(self._clock_message)
@@ -181,12 +182,6 @@ class UavSimulator(VehicleNode):
         """How many listen to the state, without who only looks."""
         known = self.get_subscriptions_info_by_topic(self._state_publisher.publisher.topic_name)
         return sum(one.node_name not in PASSIVE_NODES for one in known)
-
-    def _elapsed(self) -> int:
-        """Time since the last step in [ns], by the clock that this node drives or follows."""
-        if self._clock_publisher is not None:
-            return self._tick
-        return self.get_clock().now().nanoseconds - self._now
 
     def _advance(self, elapsed: int) -> None:
         # One integer clock: sums of floats would drift away from the stamps.

@@ -46,7 +46,12 @@ from uav_tracking_mpc.nodes.messages.conversions import set_vector
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
 from uav_tracking_mpc.nodes.messages.wires import deserialized, planned_places
 from uav_tracking_mpc.nodes.ros.declared_parameters import ros_value
-from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, NewestMessage, steady_timer
+from uav_tracking_mpc.nodes.ros.endpoints import (
+    FollowingSubscription,
+    NewestMessage,
+    namespaces,
+    steady_timer,
+)
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ANY_FRAMES,
@@ -456,12 +461,8 @@ class FlightWatcher(Node):
 
     def _look(self) -> None:
         """Listen to aircraft that are new, and ask controllers that have changed."""
-        suffix = f"/{ODOMETRY.name}"
-        for topic, _ in self.get_topic_names_and_types():
-            namespace = topic.removesuffix(suffix) or "/"
-            known = namespace in self.aircraft or not topic.endswith(suffix)
-            if not known and self.count_publishers(topic):
-                self._listen(namespace)
+        for namespace in sorted(namespaces(self) - self.aircraft.keys()):
+            self._listen(namespace)
         for parameters in self.parameters.values():
             parameters.follow()
 

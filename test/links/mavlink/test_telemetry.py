@@ -40,7 +40,7 @@ def telemetry(origin=None):
     return Telemetry(clock, origin)
 
 
-def home(latitude=math.degrees(HOME.latitude)):
+def home(latitude=47.3977):
     longitude = math.degrees(HOME.longitude)
     return mavlink.MAVLink_home_position_message(
         round(latitude * 1e7), round(longitude * 1e7), 488000, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0

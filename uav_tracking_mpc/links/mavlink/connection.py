@@ -189,14 +189,7 @@ def open_wire(kind: str, host: str, number: int) -> Wire:
         return ListeningWire((host, number))
     if kind != "tcp":
         return DatagramWire((host, number), kind == "udpin")
-    client = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    client.settimeout(OPEN_LIMIT)
-    try:
-        client.connect((host, number))
-    except OSError:
-        client.close()
-        raise
-    return Wire(_quick(client))
+    return Wire(_quick(socket.create_connection((host, number), OPEN_LIMIT)))
 
 
 def words_of(error: Exception) -> str:
@@ -374,15 +367,8 @@ class Connection:
             raise LinkError(f"connection {self.address!r} is lost: the other end closed it")
         return [] if data is None else self._parse(wire.mav, data)
 
-    def parse(self, data: bytes) -> list[Any]:
-        """Messages in what came; what is none is counted and dropped.
-
-        Args:
-            data: A datagram, or the next bytes of a stream.
-        """
-        return self._parse(self._wire.mav, data)
-
     def _parse(self, parser: Any, data: bytes) -> list[Any]:
+        """Messages in a datagram, or in the next bytes of a stream; what is none is dropped."""
         if self._kind in DATAGRAM and parser.buf_len():
             # A frame never goes on in the next datagram: the rest of a cut one would swallow it.
             self.bad += 1

@@ -222,8 +222,7 @@ class EnergyLaw:
             learnt = self._incidence + PATH_INTEGRAL * error * duration
             self._incidence = _clip(learnt, -STALL, STALL)
         reach = limits.pitch_slew * duration
-        slewed = _clip(asked, self.pitch - reach, self.pitch + reach)
-        return _clip(slewed, limits.pitch_min, limits.pitch_max)
+        return _slewed(asked, self.pitch, reach, limits.pitch_min, limits.pitch_max)
 
     def _thrusted(self, flown: FlownPath, duration: float) -> float:
         limits = self._limits
@@ -244,8 +243,7 @@ class EnergyLaw:
             learnt = self._force + SPEED_INTEGRAL * error * duration
             self._force = _clip(learnt, -most, most)
         reach = limits.thrust_slew * duration
-        slewed = _clip(asked, self.thrust - reach, self.thrust + reach)
-        return _clip(slewed, limits.thrust_min, limits.thrust_max)
+        return _slewed(asked, self.thrust, reach, limits.thrust_min, limits.thrust_max)
 
     def _trim(self, flown: FlownPath) -> float:
         """Thrust for level flight, as ``PerformanceModel::getTrimThrottle`` has it."""
@@ -287,6 +285,10 @@ class EnergyLaw:
 def _load(flown: FlownPath) -> float:
     """Load factor of a coordinated turn."""
     return min(1.0 / max(math.cos(flown.bank), 1.0 / LOAD_LIMIT), LOAD_LIMIT)
+
+
+def _slewed(asked: float, before: float, reach: float, low: float, high: float) -> float:
+    return _clip(_clip(asked, before - reach, before + reach), low, high)
 
 
 def _clip(value: float, low: float, high: float) -> float:

@@ -74,9 +74,8 @@ class VehicleSighting:
             velocity = [east, north, -down] if message.est_capabilities & HAS_VELOCITY else []
         else:
             return
-        if not math.isfinite(altitude + sum(velocity)) or message.lat == message.lon == 0:
-            return
-        if not self._clock.see_stamp(time, arrival):
+        nowhere = not math.isfinite(altitude + sum(velocity)) or message.lat == message.lon == 0
+        if nowhere or not self._clock.see_stamp(time, arrival):
             return
         position = frame.position(message.lat * DEGREE_SCALE, message.lon * DEGREE_SCALE, altitude)
         stamp = min(self._clock.ours(time), arrival)
@@ -336,8 +335,9 @@ class Listener:
         elif kind == "STATUSTEXT":
             level = Level.WARNING if message.severity <= SEVERE else Level.INFO
             self._events.add(level, f"autopilot: {message.text}")
-        elif of_this_boot and (measurement := self.telemetry.see(message, arrival)) is not None:
-            if arrival - measurement.stamp <= HISTORY:
+        elif of_this_boot:
+            measurement = self.telemetry.see(message, arrival)
+            if measurement is not None and arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)
                 self.on_measurement(measurement, arrival)
         self.on_message(message, arrival)

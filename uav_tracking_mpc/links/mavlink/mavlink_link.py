@@ -51,8 +51,7 @@ class Latency:
     def __init__(self) -> None:
         self._arrivals: deque[tuple[float, float]] = deque(maxlen=AWAITED)
         self._taken: deque[float] = deque(maxlen=KEPT)
-        self._begin: float | None = None
-        self._count = 0
+        self._begin, self._count = math.inf, 0
 
     def arrived(self, stamp: float, arrival: float) -> None:
         """A measurement came.
@@ -62,7 +61,7 @@ class Latency:
             arrival: When its last message came in [s].
         """
         self._arrivals.append((stamp, arrival))
-        self._begin = arrival if self._begin is None else self._begin
+        self._begin = min(self._begin, arrival)
         self._count += 1
 
     def answered(self, stamp: float, now: float) -> None:
@@ -83,9 +82,7 @@ class Latency:
         Args:
             now: In [s].
         """
-        if self._begin is None or now <= self._begin:
-            return 0.0
-        return self._count / (now - self._begin)
+        return self._count / (now - self._begin) if now > self._begin else 0.0
 
     def quantile(self, share: float) -> float:
         """Latency that this share of the answers kept, in [s]; 0 without any.

@@ -450,9 +450,8 @@ def _velocity(message: Odometry) -> tuple[NDArray[np.float64] | None, NDArray[np
 def _covariance(entries: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """The first three rows and columns of a covariance of six; None if it says nothing."""
     matrix = np.array(entries, dtype=float).reshape(6, 6)[:3, :3]
-    if not (np.isfinite(matrix).all() and matrix[0, 0] > 0.0):
-        return None
-    if max(matrix[0, 0], matrix[1, 1]) > VARIANCE_LIMIT:  # that of a height may be anything
+    told = np.isfinite(matrix).all() and matrix[0, 0] > 0.0
+    if not told or max(matrix[0, 0], matrix[1, 1]) > VARIANCE_LIMIT:  # a height's may be anything
         return None
     matrix = 0.5 * (matrix + matrix.T)
     variances = np.linalg.eigvalsh(matrix)

@@ -38,7 +38,7 @@ from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.nodes.ros.rclpy_internals import declared_parameters, parameter_overrides
-from uav_tracking_mpc.nodes.topics import SENSED, Topic
+from uav_tracking_mpc.nodes.topics import ODOMETRY, SENSED, Topic
 from uav_tracking_mpc.parameters.specification import ParameterError
 
 T = TypeVar("T")
@@ -156,6 +156,20 @@ def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Tim
         callback: Called each time.
     """
     return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+def namespaces(node: Node) -> set[str]:
+    """Absolute namespaces of all aircraft: where somebody publishes a state.
+
+    Args:
+        node: That looks.
+    """
+    suffix = f"/{ODOMETRY.name}"
+    return {
+        name.removesuffix(suffix) or "/"
+        for name, _ in node.get_topic_names_and_types()
+        if name.endswith(suffix) and node.count_publishers(name)
+    }
 
 
 OUTAGE = 15.0  # s of the node's time: longer than a plan, and than the target's default timeout
