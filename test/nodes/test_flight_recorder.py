@@ -15,13 +15,15 @@
 """The recorder begins to listen to the state, for which simulated time waits, as the last."""
 
 import errno
+import math
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from filled_messages import circling, filled_odometry
+from filled_messages import SECOND, circling, filled_command, filled_odometry, filled_point
+from rclpy.serialization import serialize_message
 
 from uav_tracking_mpc.nodes.flight_recorder import FLYING, FlightBag, FlightRecorder
-from uav_tracking_mpc.nodes.topics import ALL, DIAGNOSTICS, ODOMETRY
+from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY, TARGET
 
 pytestmark = pytest.mark.nodes
 
@@ -87,3 +89,21 @@ def test_a_full_disk_ends_the_bag_and_not_the_flight(nodes, tmp_path):
     assert nodes.spin(lambda: recorder.heard >= 5, also=also)
     assert bag.written == 3
     assert str(recorder.failure) == f"[Errno 28] No space left on device: '{bag.path}'"
+
+
+def test_a_message_that_cannot_be_used_ends_no_flight(nodes):
+    """While it was looked at, nothing had ever flown: the launch gave up after two minutes."""
+    recorder, nowhere = nodes.add(FlightRecorder), [math.nan, 0.0, 50.0, 0.0, 0.0, 10.0]
+    state = [100.0, 0.0, 50.0, 0.0, 0.0, 10.0]
+    for topic, message in (
+        (COMMAND, filled_command(SECOND, [[0.0, 0.0, 0.0]])),
+        (ODOMETRY, filled_odometry(2 * SECOND, state)),
+        (TARGET, filled_point(SECOND, (0.0, 0.0, 0.0))),
+    ):
+        recorder._on_message(topic, serialize_message(message))
+    before = recorder.progress()
+    assert (before.time, before.range) == (1.0, pytest.approx(math.hypot(100.0, 50.0)))
+    bad = (ODOMETRY, filled_odometry(3 * SECOND, nowhere)), (TARGET, filled_point(SECOND, nowhere))
+    for topic, message in bad:
+        recorder._on_message(topic, serialize_message(message))
+    assert recorder.progress() == before

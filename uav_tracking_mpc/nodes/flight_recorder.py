@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 import shutil
@@ -249,6 +250,7 @@ class FlightRecorder(Node):
         self.heard = 0
         self.failure: OSError | None = None
         self._latest: dict[str, bytes] = {}
+        self._usable: dict[str, Any] = {}
         self._start: int | None = None
         # The simulator's time may wait for this node: it listens to the state, and so releases
         # the simulator, only when it hears everything else. Both sides must know of each other: a
@@ -297,10 +299,7 @@ class FlightRecorder(Node):
 
     def progress(self) -> Progress:
         """Where the flight stands by the latest messages."""
-        try:
-            state, airspeed, place, tracked, engaged, solve_time = map(self._said, SHOWN)
-        except MessageError:
-            return Progress()
+        state, airspeed, place, tracked, engaged, solve_time = map(self._said, SHOWN)
         if state is None:
             return Progress()
         seen = (where for where in (place, tracked) if where is not None)
@@ -315,6 +314,8 @@ class FlightRecorder(Node):
         )
 
     def _said(self, topic: Topic) -> Any:
-        """What the latest message of a topic says; None before the first."""
-        data = self._latest.get(topic.name)
-        return None if data is None else VALUES[topic.name](deserialized(topic, data))
+        """What the latest message of a topic says that can be used; None before the first."""
+        if (data := self._latest.pop(topic.name, None)) is not None:
+            with contextlib.suppress(MessageError):
+                self._usable[topic.name] = VALUES[topic.name](deserialized(topic, data))
+        return self._usable.get(topic.name)
