@@ -334,7 +334,9 @@ def test_a_fence_has_the_kinds_that_are_switched_on():
     circle = ArduPlaneEnvelope({**fence, "FENCE_TYPE": 2.0}, 1.0).fence()
     assert circle == (-math.inf, math.inf, 890.0)
     assert ArduPlaneEnvelope({**fence, "FENCE_TYPE": 11.0}, 1.0).fence() == (30.0, 140.0, 890.0)
-    assert ArduPlaneEnvelope({**fence, "FENCE_ENABLE": 0.0}, 1.0).fence() is None
+    fence |= {"FENCE_ENABLE": 0.0, "FENCE_TYPE": 2.0}
+    assert ArduPlaneEnvelope(fence, 1.0).fence() is None
+    assert ArduPlaneEnvelope({**fence, "FENCE_AUTOENABLE": 3.0}, 1.0).fence() == circle
 
 
 def test_the_pilot_is_told_what_matters():

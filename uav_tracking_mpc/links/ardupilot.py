@@ -66,8 +66,9 @@ NAMES = (
     "ARSPD_FBW_MAX", "AIRSPEED_CRUISE", "TRIM_ARSPD_CM", "AIRSPEED_STALL", "STALL_PREVENTION",
     "WP_LOITER_RAD", "TECS_CLMB_MAX", "TECS_SINK_MIN", "TECS_SINK_MAX", "TECS_TIME_CONST",
     "RLL2SRV_TCONST", "RLL2SRV_RMAX", "ARSPD_USE", "SCHED_LOOP_RATE", "GUIDED_TIMEOUT",
-    "FS_LONG_ACTN", "FS_GCS_ENABL", "FENCE_ENABLE", "FENCE_ACTION", "FENCE_TYPE",
-    "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "STICK_MIXING", "ALT_OFFSET",
+    "FS_LONG_ACTN", "FS_GCS_ENABL", "FENCE_ENABLE", "FENCE_AUTOENABLE",
+    "FENCE_ACTION", "FENCE_TYPE", "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS",
+    "STICK_MIXING", "ALT_OFFSET",
 )  # fmt: skip
 # -, new name of each, and how much of its unit the old one had
 OLD_NAMES = {
@@ -135,10 +136,15 @@ class ArduPlaneEnvelope(VehicleEnvelope):
         prevented = self.vehicle.get("STALL_PREVENTION", 1.0)
         return self.turning(limit, airspeed, stall if prevented else math.nan)
 
+    @property
+    def _fenced(self) -> bool:
+        """Whether it has a fence, or sets one up by itself in the air (``AC_Fence``, AutoEnable)."""
+        return any(self.vehicle.get(f"FENCE_{name}") for name in ("ENABLE", "AUTOENABLE"))
+
     def fence(self) -> HomeFence | None:
         """See :meth:`VehicleEnvelope.fence`."""
         vehicle = self.vehicle
-        if not vehicle.get("FENCE_ENABLE"):
+        if not self._fenced:
             return None
         kinds, free = int(vehicle.get("FENCE_TYPE", 0.0)), math.inf
         return HomeFence(
@@ -156,7 +162,7 @@ class ArduPlaneEnvelope(VehicleEnvelope):
         """See :meth:`VehicleEnvelope.warnings`."""
         loop, timeout = self.told("SCHED_LOOP_RATE", "GUIDED_TIMEOUT")
         vehicle, action = self.vehicle, self.vehicle.get("FENCE_ACTION", 1.0)
-        fenced = bool(vehicle.get("FENCE_ENABLE"))
+        fenced = self._fenced
         return applying(
             (
                 SHARE_OF_LOOP * loop < telemetry_rate,
