@@ -229,8 +229,8 @@ def test_bad_frames_pass_for_nothing_and_cost_no_good_one(pair):
     for number in range(FRAMES):
         good = heartbeat().pack(parser)
         parser.seq = (parser.seq + 1) % 256
-        taken += ours._parse(ours._wire.mav, changed(random_, good))
-        after = ours._parse(ours._wire.mav, good)
+        taken += ours.parse(changed(random_, good))
+        after = ours.parse(good)
         assert [message.get_type() for message in after] == ["HEARTBEAT"], number
     # A frame cut to pieces may hold a whole good one. Of what was changed at random the checksum of
     # 16 bits lets one in 65 536 pass.

@@ -367,8 +367,15 @@ class Connection:
             raise LinkError(f"connection {self.address!r} is lost: the other end closed it")
         return [] if data is None else self._parse(wire.mav, data)
 
+    def parse(self, data: bytes) -> list[Any]:
+        """Messages in what came; what is none is counted and dropped.
+
+        Args:
+            data: A datagram, or the next bytes of a stream.
+        """
+        return self._parse(self._wire.mav, data)
+
     def _parse(self, parser: Any, data: bytes) -> list[Any]:
-        """Messages in a datagram, or in the next bytes of a stream; what is none is dropped."""
         if self._kind in DATAGRAM and parser.buf_len():
             # A frame never goes on in the next datagram: the rest of a cut one would swallow it.
             self.bad += 1
