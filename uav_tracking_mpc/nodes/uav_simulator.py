@@ -59,7 +59,7 @@ class UavSimulator(VehicleNode):
         super().__init__("uav_simulator", SimulatorParameters, changeable=True, **options)
         follow_parameters(self, self.parameters, self._check, self._take)
         self._plant = _plant(self.parameters)
-        self._shown, self._failure = self._shown_by(self._plant), ""
+        self._truth, self._failure = self._plant.truth, ""
         self._tick = round(1e9 / self.parameters.state_rate)
         driven = self.parameters.publish_clock
         self._now = 0 if driven else self.get_clock().now().nanoseconds
@@ -95,7 +95,6 @@ class UavSimulator(VehicleNode):
         before, self.parameters = self.parameters, parameters
         try:
             self._plant.change(parameters)
-            self._shown = self._shown_by(self._plant)
         except Exception as error:  # whatever a user's plant raises, the node goes on
             self._fail(error)
         if parameters.speed != before.speed:
@@ -120,7 +119,7 @@ class UavSimulator(VehicleNode):
         """Start state, start of the plant's time; the clock goes on."""
         try:
             plant = _plant(self.parameters)
-            self._shown = self._shown_by(plant)
+            self._truth = plant.truth
         except Exception as error:  # as of a user's plant
             response.success, response.message = False, f"not reset: {error}"
             return response
@@ -203,7 +202,7 @@ class UavSimulator(VehicleNode):
             return
         try:
             self._plant.advance(duration)
-            self._shown = self._shown_by(self._plant)
+            self._truth = self._plant.truth
         except Exception as error:  # whatever a user's plant raises, the node goes on
             self._fail(error)
 
@@ -216,12 +215,10 @@ class UavSimulator(VehicleNode):
             level, words = vehicle_status(self._plant.plan)
             self._diagnostics.report(bytes([level]), words)
 
-    @staticmethod
-    def _shown_by(plant: Plant) -> dict[str, object]:
-        """What /diagnostics says of a plant."""
-        truth = plant.truth
+    def _values(self) -> dict[str, object]:
+        truth = self._truth
         x, y, z = truth.position.tolist()
-        east, north, up = plant.wind.tolist()
+        east, north, up = self._plant.wind.tolist()
         return {
             "x [m]": x,
             "y [m]": y,
@@ -232,11 +229,6 @@ class UavSimulator(VehicleNode):
             "wind east [m/s]": east,
             "wind north [m/s]": north,
             "wind up [m/s]": up,
-        }
-
-    def _values(self) -> dict[str, object]:
-        return {
-            **self._shown,
             "commands received": self._received,
             "commands refused": self._rejected,
             "speed": self.parameters.speed,

@@ -183,9 +183,13 @@ class Diagnostics:
         level, words = (ERROR, self._alarm) if self._alarm else (shown.level, shown.message)
         status = DiagnosticStatus(level=level, name=self._name, message=words)
         status.hardware_id = self.hardware_id
+        try:
+            values = self._values()
+        except Exception as error:  # whatever a user's extension raises, the node goes on
+            values = {"values": f"failed: {type(error).__name__}: {error}"}
         status.values = [
             KeyValue(key=key, value=f"{value:.6g}" if isinstance(value, float) else str(value))
-            for key, value in self._values().items()
+            for key, value in values.items()
         ]
         message = DiagnosticArray(status=[status])
         message.header.stamp = self._now()
