@@ -138,7 +138,7 @@ class ArduPlaneEnvelope(VehicleEnvelope):
 
     @property
     def _fenced(self) -> bool:
-        """Whether it has a fence, or sets one up by itself in the air (``AC_Fence``, AutoEnable)."""
+        """Whether it has a fence, or enables one by itself in the air (``AC_Fence``)."""
         return any(self.vehicle.get(f"FENCE_{name}") for name in ("ENABLE", "AUTOENABLE"))
 
     def fence(self) -> HomeFence | None:
