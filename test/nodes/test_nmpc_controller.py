@@ -228,6 +228,17 @@ def test_a_motion_that_cannot_be_taken_up_is_told_until_another_one_is(nodes, mo
     assert not node._unchanged  # what is shown may stay for some seconds
 
 
+def test_a_change_that_fails_half_way_is_told_and_ends_no_node(nodes, monkeypatch, capfd):
+    node = nodes.add(NmpcController, law="l1")
+
+    def fail(**_):
+        raise RuntimeError("of a limit")
+
+    monkeypatch.setattr(node.controller, "change", fail)
+    assert node.set_parameters_atomically([Parameter("range", value=160.0)]).successful
+    assert "taken in part: of a limit" in capfd.readouterr().err
+
+
 def test_what_happened_last_is_logged_before_the_controller_is_gone(nodes, capfd):
     node = nodes.add(NmpcController, law="l1")
     node.controller.events.add(Level.WARNING, "the record ends")

@@ -127,7 +127,10 @@ def follow_parameters(
         nonlocal present
         if agreed is not present:
             present = agreed
-            take(present)
+            try:
+                take(present)
+            except Exception as error:  # of a user's extension: whoever flies flies on
+                node.get_logger().error(f"the parameters are set, and taken in part: {error}")
 
     node.add_on_set_parameters_callback(on_set)
     node.add_post_set_parameters_callback(after_set)
