@@ -167,7 +167,8 @@ class Listener:
         self._asked_at, self._told_lost, self._told_wire = 0, False, False
         self._heartbeat_at = -math.inf
         self._looked_at = math.inf
-        self._counted, self._counted_at, self._usual_rate = Counter[str](), -math.inf, 0.0
+        self._counted, self._counted_at = Counter[str](), -math.inf
+        self._usual_rates = dict.fromkeys(COUNTED, 0.0)
         self._due: dict[str, float] = {}
 
     @property
@@ -387,9 +388,10 @@ class Listener:
 
     def _watch_rate(self, now: float) -> None:
         """Ask for telemetry that is missing, or slowed down by another program such as MAVProxy."""
-        rate = min(self._counted[kind] for kind in COUNTED) / (now - self._counted_at)
-        slowed = rate < KEPT_RATE * self._usual_rate
-        self._usual_rate = min(max(self._usual_rate, rate), self._parameters.telemetry_rate)
+        usual, most = self._usual_rates, self._parameters.telemetry_rate
+        rates = {kind: self._counted[kind] / (now - self._counted_at) for kind in COUNTED}
+        slowed = any(rate < KEPT_RATE * usual[kind] for kind, rate in rates.items())
+        self._usual_rates = {k: min(max(usual[k], rate), most) for k, rate in rates.items()}
         self._counted_at = now
         self._counted.clear()
         if slowed or self.telemetry.newest is None:
