@@ -179,3 +179,29 @@ def test_a_law_that_refuses_the_orbit_off_an_airspeed_limit_goes_on_with_its_own
     controller._keep_margin()
     assert controller.orbit.speed == controller._law.orbit.speed == 16.0
     assert controller.events.take()[-1].words.startswith("the orbit stays as it was: the law")
+
+
+PICKY = """
+from dataclasses import dataclass
+from uav_tracking_mpc.limits.airspeed import AirspeedSpan
+
+@dataclass(frozen=True)
+class Picky(AirspeedSpan):
+    name = "picky"
+
+    def numbers(self, targets):
+        if self.airspeed_min > 15.0:
+            raise ZeroDivisionError("too picky")
+        return super().numbers(targets)
+"""
+
+
+def test_a_limit_that_raises_off_an_airspeed_limit_leaves_the_orbit_as_it_is(tmp_path, monkeypatch):
+    (tmp_path / "limit.py").write_text(PICKY)
+    limit = f"limits={tmp_path / 'limit.py'}:Picky"
+    controller = Controller(small_uav.parameters(limit, "airspeed=15.0"))
+    unknown = property(lambda navigator: (3.0, (0.0, 0.0)))
+    monkeypatch.setattr(Navigator, "airspeed_uncertainty", unknown)
+    controller._keep_margin()
+    assert controller.orbit.speed == 15.0
+    assert controller.events.take()[-1].words == "the orbit stays as it was: too picky"

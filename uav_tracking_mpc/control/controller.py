@@ -221,7 +221,7 @@ class Controller:
         before = self._flown
         try:
             self._fly_by(flown, self.response.flown)
-        except ParameterError as error:  # the law was asked about the orbit that was told alone
+        except Exception as error:  # of a law or limit of somebody's, asked about what was told
             self._fly_by(before, self.response.flown)
             self.events.add(Level.WARNING, f"the orbit stays as it was: {error}")
 
