@@ -47,8 +47,9 @@ test: $(VENV)/test
 	@$(MAKE) --no-print-directory -j 2 lint together
 	$(PYTEST) $(HUNG) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
 
-together: $(VENV)/test
-	$(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile
+# Threads of linear algebra, of which each worker has one a core, wait for one another by counting.
+together: $(VENV)/compiled
+	OPENBLAS_NUM_THREADS=1 $(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile
 
 test-long: $(VENV)/test
 	$(PYTEST) $(HUNG) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile
@@ -109,9 +110,16 @@ $(VENV)/view: $(VENV)/bin/python setup.py
 	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[view]'
 	@touch $@
 
+# Not compiled: of what is installed, tests import a tenth.
 $(VENV)/test: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,campaign,test]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --no-compile --editable '.[ros,campaign,test]'
 	@touch $@ $(VENV)/demo
+
+# Workers that start together would each compile all that they import, tests too, which takes half a
+# minute: one process compiles it before. What fails there fails again in the tests, in words.
+$(VENV)/compiled: $(VENV)/test
+	@$(PYTEST) --collect-only -qq >/dev/null || true
+	@touch $@
 
 $(VENV)/mutants: $(VENV)/test setup.py
 	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[mutants]'

@@ -25,7 +25,8 @@ from uav_tracking_mpc.limits import TOLERANCE
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
 from uav_tracking_mpc.studies.comparison.measures import SHAKEN
 
-BEGIN, END = 90.0, 150.0  # s, of what fails
+BEGIN = 90.0  # s, of what fails
+AFTER = 60.0  # s, that are flown with it
 
 
 def either(random, least, greatest):
@@ -48,7 +49,7 @@ FAULTS = {
 }
 
 
-def flown(seed, name, plant):
+def flown(seed, name, plant, begin, end):
     """News of the sensors, least and greatest airspeed, and whether gusts blow, of a random flight.
 
     Near the least airspeed (14 m/s) and the greatest (32), too.
@@ -75,26 +76,26 @@ def flown(seed, name, plant):
         f"mission.plant={plant}",
     ]
     fails = FAULTS[name][1](random) if name else {}
-    wrong = tuple((BEGIN, f"uav_simulator.{key}={value}") for key, value in fails.items())
+    wrong = tuple((begin, f"uav_simulator.{key}={value}") for key, value in fails.items())
     loop = ClosedLoop(dataclasses.replace(load_configuration("small_uav", changes), changes=wrong))
     airspeeds = []
-    while loop.time < END:
+    while loop.time < end:
         airspeeds.append(loop.tick().truth.airspeed)
-    news = [(each.time, each.sensor, each.state) for each in loop.log(END).sensors]
+    news = [(each.time, each.sensor, each.state) for each in loop.log(end).sensors]
     return news, min(airspeeds), max(airspeeds), simulator["gust_intensity"] > 0.0
 
 
-def named_rightly(name, news):
+def named_rightly(name, news, begin):
     """Whether the sensor that fails is named, after it fails, and no other."""
     wrong = [(time, sensor) for time, sensor, state in news if state != USED]
     if not name:
         return not wrong
-    return bool(wrong) and all(each == FAULTS[name][0] and time >= BEGIN for time, each in wrong)
+    return bool(wrong) and all(each == FAULTS[name][0] and time >= begin for time, each in wrong)
 
 
-def judged(seed, name, plant="vehicle"):
-    news, slowest, fastest, gusty = flown(seed, name, plant)
+def judged(seed, name, plant="vehicle", begin=BEGIN):
+    news, slowest, fastest, gusty = flown(seed, name, plant, begin, begin + AFTER)
     beyond = SHAKEN if gusty else TOLERANCE  # of the limits of small_uav, from which on it counts
     told = seed, name, plant, slowest, fastest
     assert (1.0 - beyond) * 14.0 <= slowest <= fastest <= (1.0 + beyond) * 32.0, told
-    return named_rightly(name, news)
+    return named_rightly(name, news, begin)

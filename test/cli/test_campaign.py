@@ -25,8 +25,8 @@ from uav_tracking_mpc.studies.campaign.campaign_run import fly_batch
 
 
 def test_a_campaign_that_was_killed_goes_on_and_flies_nothing_twice(tmp_path, uav_tracking):
-    draw = {**SHORT["draw"], "mission.duration": 5.0}
-    file, output = written(tmp_path, draw=draw, flights=12), tmp_path / "out"
+    draw = {**SHORT["draw"], "mission.duration": 2.0}
+    file, output = written(tmp_path, draw=draw, flights=12, settled_after=1.0), tmp_path / "out"
     arguments = ("campaign", file, "--workers", 2, "--output", output, "--json")
     with started("cli.main", *arguments) as process:
         assert wait_for(lambda: any(output.glob("batches/*.parquet")))

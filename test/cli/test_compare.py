@@ -35,6 +35,13 @@ class Circler(GuidanceLaw):
 """
 
 
+@pytest.fixture
+def in_this_process(monkeypatch):
+    """Others would import everything anew: test/studies/comparison/test_scenarios.py has some."""
+    monkeypatch.setattr(executors.os, "sched_getaffinity", lambda _: {0})
+
+
+@pytest.mark.usefixtures("in_this_process")
 def test_two_laws_through_one_scenario(tmp_path, uav_tracking):
     content = uav_tracking.json(
         "compare", "--config", "small_uav", "--scenario", "wind", "--laws", "nmpc", "l1",
@@ -72,11 +79,10 @@ class Interrupting:
 
 
 @pytest.fixture
-def interrupted(monkeypatch, uav_tracking):
+def interrupted(monkeypatch, in_this_process, uav_tracking):
     """Compares two laws, and is interrupted at some flight; what it says then."""
 
     def interrupted(at, *words):
-        monkeypatch.setattr(executors.os, "sched_getaffinity", lambda _: {0})  # in this process
         monkeypatch.setattr(results, "simulate", Interrupting(at))
         laws = ("--laws", "l1", "vector_field", "--set", "mission.duration=20")
         ended = uav_tracking("compare", *laws, *words)
@@ -120,6 +126,7 @@ def test_a_law_of_ones_own_flies_beside_the_others(tmp_path, uav_tracking):
     assert (tmp_path / "out" / "still.png").is_file()
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_law_that_fails_is_not_what_its_figures_are_of(tmp_path, uav_tracking):
     path = tmp_path / "circler.py"
     path.write_text(LAW.replace("return np.array(", "raise RuntimeError("))
@@ -128,6 +135,7 @@ def test_a_law_that_fails_is_not_what_its_figures_are_of(tmp_path, uav_tracking)
     assert "commands that count were not by circler, but by a fallback mode" in told
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_page_without_a_place_for_the_table_costs_no_flight(tmp_path, uav_tracking):
     page = tmp_path / "page.md"
     page.write_text("words")
@@ -137,6 +145,7 @@ def test_a_page_without_a_place_for_the_table_costs_no_flight(tmp_path, uav_trac
     assert "range RMS" in ended.out
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_an_option_that_is_repeated_adds_to_itself(tmp_path, uav_tracking):
     content = uav_tracking.json(
         "compare", "--scenario", "wind", "--scenario", "still", "--laws", "l1", "--laws", "npfg",
@@ -154,6 +163,7 @@ def test_scenarios_of_one_name_are_refused(tmp_path, uav_tracking):
     assert "each must have a name of its own" in ended.err
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_laws_that_are_told_wrong(tmp_path, uav_tracking):
     content = uav_tracking.json(
         "compare", "--mismatch", "zigzag", "lag_0.5", "--laws", "nmpc", "npfg",

@@ -74,13 +74,13 @@ def answers(address):
 
 @pytest.mark.nodes
 def test_the_page_stays_after_the_report_until_ctrl_c(viewed, tmp_path):
-    with viewed(8) as flight:
+    with viewed(4) as flight:
         address = re.search(r"page: (http://127\.0\.0\.1:\d+\S*)", flight.said)[1]
         assert answers(address)
         hear(flight, "until Ctrl-C")
         assert (tmp_path / "metrics.json").is_file(), flight.said
         metrics = json.loads((tmp_path / "metrics.json").read_text())
-        assert 0.0 < metrics["duration_s"] < 9.0  # a slow machine hears the first states late
+        assert 0.0 < metrics["duration_s"] < 5.0  # a slow machine hears the first states late
         assert answers(address)
         flight.send_signal(INTERRUPT)
         _, rest = flight.communicate(timeout=LIMIT)

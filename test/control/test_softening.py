@@ -115,12 +115,14 @@ def test_a_new_flight_begins_with_what_is_told():
 
 
 def test_a_loop_that_cannot_learn_ends_its_cycle_all_the_same():
-    """Commands are 0.4 s late from 40 s on, which is beyond the delay margin."""
-    told = ["nmpc_controller.response_estimation=false", "mission.duration=140"]
+    """Commands are 0.4 s late from 15 s on, which is beyond the delay margin."""
+    told = ["nmpc_controller.response_estimation=false", "mission.duration=115"]
+    told += ["uav_simulator.initial_position=[300.0, 0.0, 120.0]"]
+    told += ["uav_simulator.initial_heading=1.5707963267948966"]
     configuration = load_configuration("small_uav", told, "crosswind")
-    late = ((40.0, "uav_simulator.command_delay=0.4"),)
+    late = ((15.0, "uav_simulator.command_delay=0.4"),)
     log = simulate(replace(configuration, changes=late))
-    flown = measures(log, configuration.controller, settled_after=120.0)
+    flown = measures(log, configuration.controller, settled_after=95.0)
     assert log.softened > 1.0
     assert flown.swing_deg < 3.0
     assert flown.range_rms_m < 0.5
