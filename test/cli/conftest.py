@@ -20,6 +20,8 @@ from typing import NamedTuple
 import pytest
 
 from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.report import mission_report
+from uav_tracking_mpc.report.metrics import metrics
 
 
 class Ended(NamedTuple):
@@ -63,3 +65,9 @@ class Command:
 @pytest.fixture
 def uav_tracking(capsys):
     return Command(capsys)
+
+
+@pytest.fixture
+def without_report(monkeypatch):
+    """A report's figures take longer than a short flight."""
+    monkeypatch.setattr(mission_report, "write_report", lambda log, *_: metrics(log))

@@ -19,6 +19,7 @@ import json
 import pytest
 
 
+@pytest.mark.usefixtures("without_report")
 def test_a_flight_is_identified_and_people_get_a_table_and_the_yaml(tmp_path, uav_tracking):
     flown, output = tmp_path / "flown", tmp_path / "out"
     few = ("--config", "small_uav", "--duration", 50, "--law", "l1", "--excite")

@@ -28,6 +28,7 @@ def test_json_is_one_object_and_the_report_is_written(tmp_path, uav_tracking):
     assert names == {"metrics.json", "trajectory.png", "states.png", "report.html"}
 
 
+@pytest.mark.usefixtures("without_report")
 def test_people_are_told_in_three_lines(tmp_path, uav_tracking):
     told = uav_tracking.told("simulate", "--duration", 40, "--output", tmp_path)
     lines = told.splitlines()
@@ -40,6 +41,7 @@ def test_a_mission_shorter_than_a_step_is_one_step(tmp_path, uav_tracking):
     uav_tracking.told("simulate", *few, "--set", "nmpc_controller.solver=ipopt")
 
 
+@pytest.mark.usefixtures("without_report")
 def test_another_law_flies_in_the_place_of_the_controller(tmp_path, uav_tracking):
     few = ("--config", "small_uav", "--duration", 5, "--output", tmp_path)
     assert uav_tracking.json("simulate", *few, "--law", "l1")["solver"]["name"] == "none"

@@ -36,6 +36,7 @@ from processes import (
     KILL,
     TERMINATE,
     alive,
+    ended,
     environment,
     nodes_of,
     outcome,
@@ -50,7 +51,7 @@ from test_commands import AUTOPILOT, commands
 from uav_tracking_mpc.cli import launch_tracking
 from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.control.record import recorded_parameters, replay
-from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, own_domain
+from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, LaunchError, own_domain
 from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.mpc.compiled_method import CompilationError
 from uav_tracking_mpc.nodes.bag_log import flight_log, messages
@@ -70,12 +71,7 @@ pytestmark = pytest.mark.nodes
 
 
 FLYING = "flying on commands"
-
-
-def until(words, *arguments, **exported):
-    """Exit code and output of ``launch_tracking``, which is ended where it says these words."""
-    env = {**environment(), **exported}
-    return run("cli.launch_tracking", *arguments, stop=TERMINATE, after=words, env=env)
+NODES = {"uav_simulator", "target_publisher", "nmpc_controller"}
 
 
 def test_an_exported_domain_is_flown_in_and_an_option_wins():
@@ -85,7 +81,8 @@ def test_an_exported_domain_is_flown_in_and_an_option_wins():
     assert code == 0
     assert "Traceback" not in output
     with own_domain(None) as other:
-        _, output = until("domain", "--domain-id", other)
+        words = ("--domain-id", other)
+        _, output = run("cli.launch_tracking", *words, stop=TERMINATE, after="domain")
     assert output.startswith(f"domain {other}: watch with")
 
 
@@ -98,18 +95,23 @@ def test_a_domain_that_is_not_allowed_is_refused(monkeypatch, capsys):
     )
 
 
-def test_without_a_home_and_with_an_empty_cache_it_flies_at_once(tmp_path):
+def test_without_a_home_and_with_an_empty_cache_it_flies_at_once_until_ctrl_c(tmp_path):
+    """The signal is passed on, and nothing stays behind."""
     nowhere = tmp_path / "file"
     nowhere.write_text("")
-    code, output = until(
-        FLYING,
-        HOME=str(nowhere),
-        ROS_LOG_DIR="",
-        ROS_HOME="",
-        XDG_CACHE_HOME=str(nowhere),
-        TMPDIR=str(tmp_path),
-    )
+    env = environment() | {
+        "HOME": str(nowhere),
+        "ROS_LOG_DIR": "",
+        "ROS_HOME": "",
+        "XDG_CACHE_HOME": str(nowhere),
+        "TMPDIR": str(tmp_path),
+    }
+    with started("cli.launch_tracking", after=FLYING, env=env) as process:
+        nodes = nodes_of(process.pid)
+        code, output = ended(process, INTERRUPT)
     assert code == 0, output
+    assert set(nodes) == NODES
+    assert not any(alive(node) for node in nodes.values())
     assert "Traceback" not in output
     assert "/.ros/log cannot be written" in output
     begin, flying = (output.index(words) for words in ("ipopt solves while", FLYING))
@@ -225,27 +227,22 @@ def launcher():
     words, after = ("--config", "paper"), FLYING
     with started("cli.launch_tracking", *words, after=after, env=undecided()) as process:
         process.nodes = nodes_of(process.pid)
-        assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
+        assert set(process.nodes) == NODES
         # A process that is killed would leave them as they were at that moment.
         assert not any(map(shared_memory, [process.pid, *process.nodes.values()]))
         yield process
     assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()))
 
 
-def test_a_signal_is_passed_on_and_nothing_stays_behind(launcher):
-    launcher.send_signal(INTERRUPT)
-    output = launcher.communicate(timeout=900)[0]
-    assert launcher.returncode == 0, output
-    assert not any(alive(node) for node in launcher.nodes.values())
-    assert "Traceback" not in output
+def test_a_node_that_dies_ends_launch_tracking_with_code_1(monkeypatch, capsys):
+    """What it is told, a flight whose node died shows: the next but two."""
 
+    def launch(*_, **__):
+        raise LaunchError("uav_simulator died with exit code -9")
 
-def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher):
-    os.kill(launcher.nodes["uav_simulator"], KILL)
-    output = launcher.communicate(timeout=900)[0]
-    assert launcher.returncode == 1
-    assert "uav_simulator died with exit code -9" in output
-    assert not any(alive(node) for node in launcher.nodes.values())
+    monkeypatch.setattr("uav_tracking_mpc.launch.flight.launch", launch)
+    assert launch_tracking.main([]) == 1
+    assert "uav_simulator died with exit code -9" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of the death")
@@ -276,9 +273,11 @@ def test_a_flight_that_is_interrupted_before_it_begins_leaves_nothing(tmp_path):
 def test_a_flight_whose_node_died_is_kept_and_reported(tmp_path):
     flight = ("fly", "--duration", 600, "--output", tmp_path)
     with started("cli.main", *flight, after=FLYING, apart=True) as process:
-        os.kill(nodes_of(process.pid)["nmpc_controller"], KILL)
+        nodes = nodes_of(process.pid)
+        os.kill(nodes["nmpc_controller"], KILL)
         output, errors = process.communicate(timeout=900)
     assert process.returncode == 1, errors
+    assert not any(alive(node) for node in nodes.values())
     assert "nmpc_controller died with exit code -9" in errors
     assert "of 600 s were flown" in errors
     assert "Traceback" not in errors

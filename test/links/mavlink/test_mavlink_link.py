@@ -87,7 +87,7 @@ def test_an_airspeed_that_is_stuck_where_it_could_be_does_not_lead_off_the_orbit
     flown = flight(dialect)
     controller = ByController(flown)
     assert flown.engage(controller) == ""
-    flown.fly(25.0, controller)
+    flown.fly(35.0, controller)
     send, failed = flown.autopilot.radio.send, flown.time
 
     def stuck(message):
