@@ -43,17 +43,23 @@ def test_tables_are_those_of_the_code(tmp_path):
     assert len(tables()["nmpc_controller"].rows) > 18
 
 
-def test_every_number_with_a_name_is_a_constant():
-    listed = {constant.key for constant in constants()}
+@pytest.fixture(scope="module")
+def found():
+    """Constants of the package: to find them takes seconds."""
+    return list(constants())
+
+
+def test_every_number_with_a_name_is_a_constant(found):
+    listed = {constant.key for constant in found}
     for path in sorted(PACKAGE.rglob("*.py")):
         name = str(path.relative_to(PACKAGE))
         if not re.match("estimation/|control/adaptation|mpc/newton/stage", name):
-            for found in re.findall(r"^([A-Z_][A-Z_\d]*)(?:: .*)? = -?\d", path.read_text(), re.M):
-                assert f"{name} {found}" in listed
+            for named in re.findall(r"^([A-Z_][A-Z_\d]*)(?:: .*)? = -?\d", path.read_text(), re.M):
+                assert f"{name} {named}" in listed
 
 
-def test_every_constant_has_a_unit_or_a_kind():
-    assert [constant.key for constant in constants() if not constant.kind] == []
+def test_every_constant_has_a_unit_or_a_kind(found):
+    assert [constant.key for constant in found if not constant.kind] == []
 
 
 def test_comments_of_constants_are_read():
@@ -64,24 +70,25 @@ def test_comments_of_constants_are_read():
     assert [c.kind for c in of_source("view/x.py", "BARE = 3.0")] == ["display"]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_links_lead_somewhere(page):
+def test_links_lead_somewhere():
     """On the repository's pages; the links of the site are checked when it is built."""
-    text = page.read_text()
-    for link in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
-        if "://" not in link:
-            assert (page.parent / link).exists(), link
-    for included in re.findall(r"\{(?:literalinclude|include)\} (\S+)", text):
-        assert (page.parent / included).exists(), included
+    for page in PAGES:
+        text = page.read_text()
+        for link in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
+            if "://" not in link:
+                assert (page.parent / link).exists(), f"{page}: {link}"
+        for included in re.findall(r"\{(?:literalinclude|include)\} (\S+)", text):
+            assert (page.parent / included).exists(), f"{page}: {included}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_files_that_are_named_exist(page):
-    text = page.read_text()
-    for name in re.findall(r"`((?:uav_tracking_mpc|test|config|examples|docs)/[\w./]+)`", text):
-        assert (ROOT / name).exists(), name
-    for name in re.findall(r"`([a-z_]+/[\w./]+\.py)`", text):
-        assert (ROOT / name).exists() or (ROOT / "uav_tracking_mpc" / name).exists(), name
+def test_files_that_are_named_exist():
+    for page in PAGES:
+        text = page.read_text()
+        for name in re.findall(r"`((?:uav_tracking_mpc|test|config|examples|docs)/[\w./]+)`", text):
+            assert (ROOT / name).exists(), f"{page}: {name}"
+        for name in re.findall(r"`([a-z_]+/[\w./]+\.py)`", text):
+            own = ROOT / "uav_tracking_mpc" / name
+            assert (ROOT / name).exists() or own.exists(), f"{page}: {name}"
 
 
 def test_every_page_is_in_the_site():

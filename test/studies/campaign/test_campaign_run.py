@@ -298,10 +298,14 @@ def test_a_worker_that_is_killed_is_told(two_laws):
 
 @pytest.fixture
 def cluster():
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
-    ) as cluster:
+    distributed, dask = map(pytest.importorskip, ("distributed", "dask"))
+    # A worker that does not reach its scheduler in time is not started again: the test would hang.
+    patient = {f"distributed.comm.timeouts.{name}": "600s" for name in ("connect", "tcp")}
+    local = {"n_workers": 2, "threads_per_worker": 1, "host": "127.0.0.1"}
+    with (
+        dask.config.set(patient),
+        distributed.LocalCluster(**local, dashboard_address=None) as cluster,
+    ):
         yield cluster
 
 

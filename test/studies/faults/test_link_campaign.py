@@ -131,7 +131,6 @@ def test_the_command_writes_and_prints_what_came_of_it_and_a_seed_makes_it_the_s
 ):
     """Also where a case comes after as many as are flown without it."""
     monkeypatch.setattr(link_campaign, "BAD_FRAMES", 1000)
-    monkeypatch.setattr(invariants, "RECOVERY_LIMIT", 10.0)
     words = ["torture", "--link", "ardupilot", "--cases", "1", *chosen, "--seed", "4", "--json"]
     sets = [word for assignment in ON_ORBIT for word in ("--set", assignment)]
     assert main([*words, *sets, "--output", str(tmp_path)]) == 0
