@@ -142,10 +142,10 @@ def _main(flight: str, port: str) -> None:
         page.serve(play_on)
 
 
-# Ten frames a second at most: without a graphics card each keeps a processor from other tests.
+# Four frames a second at most: without a graphics card each keeps a processor from other tests.
 FEWER_FRAMES = """
 const next = window.requestAnimationFrame.bind(window);
-window.requestAnimationFrame = (draw) => setTimeout(() => next(draw), 100);
+window.requestAnimationFrame = (draw) => setTimeout(() => next(draw), 250);
 window.cancelAnimationFrame = clearTimeout;
 """
 SCENE = "canvas[data-engine]"  # three.js marks what it draws on; plots have canvases, too

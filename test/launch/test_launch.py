@@ -222,20 +222,8 @@ def shared_memory(process):
     return []
 
 
-@pytest.fixture
-def launcher():
-    words, after = ("--config", "paper"), FLYING
-    with started("cli.launch_tracking", *words, after=after, env=undecided()) as process:
-        process.nodes = nodes_of(process.pid)
-        assert set(process.nodes) == NODES
-        # A process that is killed would leave them as they were at that moment.
-        assert not any(map(shared_memory, [process.pid, *process.nodes.values()]))
-        yield process
-    assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()))
-
-
 def test_a_node_that_dies_ends_launch_tracking_with_code_1(monkeypatch, capsys):
-    """What it is told, a flight whose node died shows: the next but two."""
+    """The rest shows test_a_flight_whose_node_died_is_kept_and_reported."""
 
     def launch(*_, **__):
         raise LaunchError("uav_simulator died with exit code -9")
@@ -246,9 +234,15 @@ def test_a_node_that_dies_ends_launch_tracking_with_code_1(monkeypatch, capsys):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of the death")
-def test_nodes_do_not_outlive_a_killed_launcher(launcher):
-    launcher.kill()
-    assert wait_for(lambda: not any(alive(node) for node in launcher.nodes.values()))
+def test_nodes_do_not_outlive_a_killed_launcher():
+    words, after = ("--config", "paper"), FLYING
+    with started("cli.launch_tracking", *words, after=after, env=undecided()) as process:
+        nodes = nodes_of(process.pid)
+        assert set(nodes) == NODES
+        # A process that is killed would leave them as they were at that moment.
+        assert not any(map(shared_memory, [process.pid, *nodes.values()]))
+        process.kill()
+        assert wait_for(lambda: not any(alive(node) for node in nodes.values()))
 
 
 def test_two_launches_get_two_domains():
