@@ -21,9 +21,8 @@ import small_uav
 
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.dynamics.relative import vehicle_state
-from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.navigator import Estimate
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Situation, steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.formulation.formulation import Plan
 from uav_tracking_mpc.mpc.solver import Solution, Status

@@ -27,9 +27,8 @@ from uav_tracking_mpc.control.command_shaping import FADE_TIME
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE
-from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.navigator import Estimate
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Forecast, Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.specification import ParameterError

@@ -24,7 +24,7 @@ from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.control.softening import MOST, QUIET, STEP, Softening
 from uav_tracking_mpc.control.watches import Swing
-from uav_tracking_mpc.estimation.forecast import steady_forecast
+from uav_tracking_mpc.estimation.situation import steady_forecast
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.comparison.measures import measures

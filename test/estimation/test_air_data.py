@@ -20,9 +20,17 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.estimation.air_data import STUCK_CLIMB, AirData
+from uav_tracking_mpc.estimation.air_estimate import FOUND
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
-from uav_tracking_mpc.estimation.sensor_check import STALE
-from uav_tracking_mpc.estimation.sensor_health import STUCK
+from uav_tracking_mpc.estimation.sensor_check import CODE, STALE
+from uav_tracking_mpc.estimation.sensor_health import OFF, STUCK
+
+
+def data(**known):
+    """Beside an estimate that has found this."""
+    found = FOUND.begin.copy()
+    FOUND.fill(found, **known)
+    return AirData(0.5, FOUND.parts(found))
 
 
 def measurement(**more):
@@ -30,7 +38,7 @@ def measurement(**more):
 
 
 def test_its_own_airspeed_counts_before_the_one_that_came_by_itself():
-    air = AirData(0.5)
+    air = data()
     air.see(10.0, 20.0)
     *_, heading, path_angle, airspeed = air.see_state(measurement(airspeed=21.0))[1]
     assert (heading, path_angle, airspeed) == (2.0, 0.1, 21.0)
@@ -40,7 +48,7 @@ def test_its_own_airspeed_counts_before_the_one_that_came_by_itself():
 @pytest.mark.parametrize("climb", [0.0, 2.5, -2.5])
 def test_where_height_and_climb_are_stuck_together_the_pitch_tells(climb):
     """An aircraft with an angle of attack of 0.05 rad, which goes over to a climb after 10 s."""
-    air, named, rng = AirData(0.5), [], np.random.default_rng(1)
+    air, named, rng = data(), [], np.random.default_rng(1)
     for time in np.arange(0.0, 30.0, 0.05):
         climbs = climb if time > 10.0 else 0.0
         told = [20.0, 0.0, 0.0 if time > 8.0 else rng.normal(0.0, 0.1)]
@@ -55,7 +63,7 @@ def test_where_height_and_climb_are_stuck_together_the_pitch_tells(climb):
 
 @pytest.mark.parametrize("stamp", [9.4, 10.6])
 def test_an_airspeed_of_another_time_does_not_count(stamp):
-    air = AirData(0.5)
+    air = data()
     air.see(stamp, 20.0)
     *_, heading, path_angle, airspeed = air.see_state(measurement())[1]
     assert (heading, path_angle, airspeed) == (np.arctan2(4.0, 3.0), 0.0, 5.0)
@@ -64,13 +72,13 @@ def test_an_airspeed_of_another_time_does_not_count(stamp):
 
 def test_at_rest_the_body_tells_where_it_would_go():
     standing = Measurement(10.0, np.zeros(3), np.zeros(3), 2.0, 0.1)
-    *_, heading, path_angle, airspeed = AirData(0.5).see_state(standing)[1]
+    *_, heading, path_angle, airspeed = data().see_state(standing)[1]
     assert (heading, path_angle, airspeed) == (2.0, 0.1, 0.0)
 
 
 @pytest.mark.parametrize(("stamp", "airspeed"), [(0.0, -1.0), (0.0, np.nan), (np.inf, 20.0)])
 def test_what_is_no_airspeed_is_refused(stamp, airspeed):
-    air = AirData(0.5)
+    air = data()
     with pytest.raises(ValueError, match="airspeed is .* must be finite and at least 0"):
         air.see(stamp, airspeed)
 
@@ -85,7 +93,7 @@ def test_what_is_no_airspeed_is_refused(stamp, airspeed):
     ],
 )
 def test_a_reading_that_stays_while_the_gyros_turn_is_stuck_until_it_changes(turn, every, stuck):
-    air, found = AirData(0.5), []
+    air, found = data(), []
     for time in np.arange(0.0, 12.0, 0.02):
         read = time if every is None else every * np.floor(time / every)
         read = 4.0 if every is None and 4.0 < time < 8.0 else read
@@ -101,7 +109,7 @@ def test_a_reading_that_stays_while_the_gyros_turn_is_stuck_until_it_changes(tur
 
 @pytest.mark.parametrize(("climb", "told"), [(0.5, 0.0), (-2.0, 1.0), (1.0, 1.0)])
 def test_a_vertical_velocity_that_does_not_change_as_the_aircraft_climbs_is_stuck(climb, told):
-    air = AirData(0.5)
+    air = data()
     for time in np.arange(0.0, 10.0, 0.05):
         position, velocity = np.array([20.0 * time, 0.0, climb * time]), np.array([20.0, 0.0, told])
         air.see_state(Measurement(time, position, velocity, 0.0, 0.0))
@@ -118,7 +126,7 @@ def test_a_receiver_that_is_read_seldom_is_not_stuck_and_one_that_stands_is(
     period, unplaced, found, resolution
 ):
     """It turns and climbs; between two fixes the position stays, or is unknown."""
-    air, fixed, first = AirData(0.5), -math.inf, math.inf
+    air, fixed, first = data(), -math.inf, math.inf
     for time in np.arange(0.0, 6.0, 0.05):
         here = time - fixed >= period - 1e-9
         if here:
@@ -138,7 +146,7 @@ def test_a_receiver_that_is_read_seldom_is_not_stuck_and_one_that_stands_is(
     [({}, True), ({"bank": None}, False), ({"axis": Axis.AIR_VELOCITY}, False)],
 )
 def test_a_bank_that_stays_while_the_nose_turns_quicker_and_slower_is_stuck(changes, stuck):
-    air, nose = AirData(0.5), 0.0
+    air, nose = data(), 0.0
     for time in np.arange(0.0, 8.0, 0.05):
         rate = 0.1 + 0.15 * math.sin(time)
         nose += 0.05 * rate
@@ -152,7 +160,7 @@ def test_a_bank_that_stays_while_the_nose_turns_quicker_and_slower_is_stuck(chan
 
 def test_a_bank_that_is_left_out_shifts_no_turn():
     """It sticks in a turn, which then ends: that looks like a slip until the turn begins again."""
-    air, nose, surplus = AirData(0.5), 0.0, []
+    air, nose, surplus = data(), 0.0, []
     for time in np.arange(0.0, 30.0, 0.05):
         rate = 0.07 if time < 2.0 else 0.0 if time < 25.0 else 0.2
         nose += 0.05 * rate
@@ -176,7 +184,7 @@ def test_a_bank_that_is_left_out_shifts_no_turn():
 )
 def test_an_airspeed_at_which_nobody_flies_is_left_out(airspeed, ground, impossible):
     """From 14 to 22 m/s, a quarter beyond; on the ground a low one is right."""
-    air = AirData(0.5)
+    air = data()
     air.limits = 14.0, 22.0
     seen = Measurement(0.0, np.zeros(3), np.array([ground, 0.0, 0.0]), 0.0, 0.0, airspeed=airspeed)
     air.see_state(seen)
@@ -186,15 +194,15 @@ def test_an_airspeed_at_which_nobody_flies_is_left_out(airspeed, ground, impossi
 @pytest.mark.parametrize(("airspeed", "impossible"), [(9.0, False), (4.0, True), (29.0, True)])
 def test_an_airspeed_at_which_the_aircraft_flies_all_the_same_is_not_blamed(airspeed, impossible):
     """From 14 to 22 m/s; with a wind of 5 m/s, 14 m/s over ground tell 9 m/s."""
-    air = AirData(0.5)
-    air.limits, air.wind, air.wind_known = (14.0, 22.0), np.array([5.0, 0.0, 0.0]), True
+    air = data(without=[5.0, 0.0, 0.0], known=1.0)
+    air.limits = 14.0, 22.0
     seen = Measurement(0.0, np.zeros(3), np.array([14.0, 0, 0]), 0.0, 0.0, airspeed=airspeed)
     air.see_state(seen)
     assert air.impossible == impossible
 
 
 def test_before_anything_is_estimated_there_is_nothing_to_agree_with():
-    air = AirData(0.5)
+    air = data()
     air.limits = 14.0, 22.0
     for airspeed, impossible in ((31.0, True), (20.0, False)):
         air.see_state(replace(measurement(), airspeed=airspeed))
@@ -202,8 +210,8 @@ def test_before_anything_is_estimated_there_is_nothing_to_agree_with():
 
 
 def test_an_airspeed_that_was_impossible_must_agree_before_it_is_used_again():
-    air = AirData(0.5)
-    air.limits, air.estimated = (14.0, 22.0), 16.0
+    air = data(vehicle=[0.0, 0.0, 0.0, 0.0, 0.0, 16.0])
+    air.limits = 14.0, 22.0
     for airspeed, impossible in ((31.0, True), (24.0, True), (17.0, False), (24.0, False)):
         air.see_state(replace(measurement(), airspeed=airspeed))
         assert air.impossible == impossible
@@ -215,7 +223,7 @@ def test_an_airspeed_that_was_impossible_must_agree_before_it_is_used_again():
 )
 def test_a_heading_that_counts_from_north_is_told(heading, course, said):
     """Its mirror image is where the aircraft goes; a sound one differs by the drift alone."""
-    air, said_so_far = AirData(0.5), set()
+    air, said_so_far = data(), set()
     velocity = 20.0 * np.array([math.cos(course), math.sin(course), 0.0])
     for tick in range(200):
         time = 0.05 * tick
@@ -226,14 +234,14 @@ def test_a_heading_that_counts_from_north_is_told(heading, course, said):
 
 
 def test_reset_forgets():
-    air = AirData(0.5)
+    air = data()
     air.see(10.0, 20.0)
     air.reset()
     assert air.see_state(measurement())[1][-1] == 5.0
 
 
 def test_after_a_gap_the_airspeed_from_before_counts_until_its_own_may_have_come():
-    air = AirData(0.5)
+    air = data()
     air.see(10.0, 20.0)
     air.see_state(measurement())
     assert air.see_state(replace(measurement(), stamp=12.0))[1][-1] == 20.0
@@ -247,8 +255,7 @@ def test_an_airspeed_that_the_wind_contradicts_does_not_turn_the_path_of_a_body(
     body = Measurement(10.0, np.zeros(3), np.array([22.0, 0.0, 0.0]), 0.0, 0.05, bank=-0.3)
     turns = []
     for known, failed, airspeed in ((0, 0, 22.0), (1, 1, 5.0), (1, 0, 5.0), (0, 0, 5.0)):
-        air = AirData(0.5)
-        air.wind_known, air.failed = known, failed
+        air = data(known=known, states=[failed * CODE[OFF], 0.0, 0.0, 0.0])
         path, state = air.see_state(replace(body, airspeed=airspeed))
         assert state[-1] == airspeed  # for others to judge
         turns.append(path.turn_rate)
@@ -261,8 +268,7 @@ def test_an_airspeed_that_the_wind_contradicts_does_not_turn_the_path_of_a_body(
 def test_without_an_airspeed_the_path_of_a_body_goes_by_what_is_known_of_the_wind():
     """Downwind the ground goes by faster than the air, and the climb is steeper than it seems."""
     body = Measurement(10.0, np.zeros(3), np.array([30.0, 0.0, 4.0]), 0.0, 0.3, bank=0.0)
-    air = AirData(0.5)
-    air.wind = np.array([8.0, 0.0, 0.0])
+    air = data(without=[8.0, 0.0, 0.0])
     path, _ = air.see_state(body)
     assert math.sin(path.path_angle) == pytest.approx(4.0 / math.hypot(22.0, 4.0))
 
@@ -274,9 +280,8 @@ def test_without_an_airspeed_the_path_of_a_body_goes_by_what_is_known_of_the_win
 def test_an_autopilot_with_a_wrong_airspeed_dives_and_is_followed_at_once(
     airspeed, failed, followed
 ):
-    air, step = AirData(0.5), 0.02
-    air.hold_altitude(True)
-    air.failed = failed
+    air, step = data(states=[failed * CODE[OFF], 0.0, 0.0, 0.0]), 0.02
+    air.holds_altitude = True
     for k in range(50):
         time = step * k
         climb, height = -6.0 * time, -3.0 * time**2

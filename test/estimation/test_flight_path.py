@@ -169,10 +169,9 @@ def test_a_body_of_which_too_little_is_known_is_taken_to_fly_where_it_points(cha
 @pytest.mark.parametrize("frequency", [QUICK_CLIMB, SLOW_CLIMB])
 def test_a_climb_that_grows_is_followed_without_an_error(frequency):
     path, rate = FlightPath(), 0.5
-    path.climb_frequency = frequency
     for k in range(1000):
         velocity = np.array([AIRSPEED, 0.0, rate * k * STEP])
-        seen = path.of(body(k * STEP, 0.0, ground_velocity=velocity), AIRSPEED)
+        seen = path.of(body(k * STEP, 0.0, ground_velocity=velocity), AIRSPEED, frequency)
     assert AIRSPEED * math.sin(seen.path_angle) == pytest.approx(velocity[2], abs=0.02)
     assert seen.path_angle_rate == pytest.approx(rate / AIRSPEED, rel=5e-3)
 
@@ -208,14 +207,14 @@ def test_without_a_ground_velocity_pitch_and_height_tell_the_climb():
         nose = flown + 0.1 + CLIMB_LAG * 0.075 * math.cos(0.5 * time)
         climb = AIRSPEED * math.sin(flown) + (0.5 if time > 30.0 else 0.0)
         height += STEP * climb
-        path.velocity_failed = time > 20.0
-        up = -climb if path.velocity_failed else climb
+        failed = time > 20.0
+        up = -climb if failed else climb
         position = np.array([0.0, 0.0, math.nan if 40.0 < time < 45.0 else height])
         if math.isnan(position[2]):
             position[:] = math.nan
         velocity = np.array([AIRSPEED, 0.0, up])
         seen = body(time, 0.0, position=position, ground_velocity=velocity, path_angle=nose)
-        error = AIRSPEED * path.of(seen, AIRSPEED).path_angle - climb
+        error = AIRSPEED * path.of(seen, AIRSPEED, velocity_failed=failed).path_angle - climb
         if time > 1.0:
             worst = max(worst, abs(error))
     assert worst < 0.6
@@ -242,7 +241,7 @@ def test_an_aircraft_that_is_steered_by_a_climb_of_the_other_sign_is_caught(nois
         position = np.array([0.0, 0.0, told])
         seen = body(time, 1e-3, position=position, ground_velocity=velocity, path_angle=nose)
         nose -= STEP * 2.5 * path.of(seen, AIRSPEED).path_angle
-        failed.append(path.climb_failed)
+        failed.append(path.climb.failed)
         climbs.append(abs(climb))
     failed, climbs = np.reshape(failed, (15, -1)), np.reshape(climbs, (15, -1)).max(axis=1)
     assert not failed[:6].any()
@@ -265,9 +264,9 @@ def test_a_bank_that_changes_its_sign_tells_nothing_of_the_airspeed():
 def test_a_heading_that_is_known_to_be_wrong_neither_turns_the_flight_nor_contradicts_the_bank():
     path, bank = FlightPath(), bank_from_turn_rate(0.1, AIRSPEED)
     for k in range(1200):
-        path.heading_failed = k > 200
         heading = 0.1 * 0.05 * k * (1.0 if k < 200 else -1.0)
-        told = path.of(body(0.05 * k, bank, heading=heading, path_angle=0.0), AIRSPEED)
+        seen = body(0.05 * k, bank, heading=heading, path_angle=0.0)
+        told = path.of(seen, AIRSPEED, heading_failed=k > 200)
     assert not path.contradicted
     assert told.turn_rate == pytest.approx(0.1, abs=0.01)
     # Whether it is right again shows where the compass points.
@@ -280,9 +279,9 @@ def test_while_the_heading_is_stuck_the_bank_alone_turns_the_flight():
     bank, past = bank_from_turn_rate(turn_rate, AIRSPEED), None
     for k in range(4000):
         time = k * STEP
-        path.heading_stuck = 22.0 < time < 50.0
+        stuck = 22.0 < time < 50.0
         heading = turn_rate * (20.0 if 20.0 < time < 50.0 else time)
-        seen = path.of(body(time, bank, heading=heading), AIRSPEED)
+        seen = path.of(body(time, bank, heading=heading), AIRSPEED, heading_stuck=stuck)
         past = past or seen.heading
         off = math.remainder(seen.heading - past - turn_rate * time, 2.0 * math.pi)
         assert abs(off) < (0.6 if 20.0 < time < 65.0 else 0.05)

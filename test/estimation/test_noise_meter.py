@@ -37,10 +37,8 @@ class NoiseMeter:
         self.reset()
 
     def reset(self):
-        self.known, self.time = np.zeros(self.meters.layout.size), -np.inf
-        parts = self.meters.layout.parts(self.known)
-        self.meters.begin(parts)
-        self.variance = parts.held[0]
+        layout, self.time = self.meters.layout, -np.inf
+        self.known, self.variance = layout.begin, layout.parts(layout.begin).held[0]
 
     def see(self, time, signal, told=0.0):
         elapsed, self.time = min(time - self.time, 1e3), time

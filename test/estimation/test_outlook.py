@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
-from uav_tracking_mpc.estimation.turn_prediction import TurnPrediction
+from uav_tracking_mpc.estimation.turn_prediction import REWIND, TURN
 
 STATE = np.array([[10.0, -20.0, 3.0], [6.0, -2.0, 0.4], [0.8, 0.3, 0.0]])
 WIND, GUST, TIMES = np.array([5.0, 2.0, 0.1]), np.array([1.0, -2.0, 0.5]), np.array([8.0, 8.0, 3.0])
@@ -30,7 +30,7 @@ AHEAD = np.array([0.0, 0.2, 0.5, 3.0, 10.0])
 def ahead(travelled=0.3, left=1.0, faded=FADED, turn_rate=0.2):
     track = 0.04, turn_rate, travelled, left
     air = WIND, TREND, GUST, TIMES
-    return Outlook(len(AHEAD), rewind=1.0)(STATE.reshape(-1), track, faded, air, AHEAD)
+    return Outlook(len(AHEAD))(STATE.reshape(-1), track, faded, air, AHEAD)
 
 
 @pytest.mark.parametrize(("travelled", "left"), [(0.3, 1.0), (6.0, 0.5), (0.0, 0.0)])
@@ -38,7 +38,8 @@ def ahead(travelled=0.3, left=1.0, faded=FADED, turn_rate=0.2):
 def test_target_wind_gust_and_what_fades_add_up(travelled, left, turn_rate):
     target, drift, drift_rate = ahead(travelled, left, turn_rate=turn_rate)
     leads = travelled + left * AHEAD
-    p, v, a = TurnPrediction()(STATE, 0.04, turn_rate, leads)
+    motions = [np.reshape(TURN(STATE.ravel(), 0.04, turn_rate, lead), (3, 3)) for lead in leads]
+    p, v, a = np.swapaxes(motions, 0, 1)
     share = np.exp(-AHEAD / FADE_TIME)[:, np.newaxis]
     gust = np.exp(-AHEAD[:, np.newaxis] / TIMES) * GUST
     np.testing.assert_allclose(target, p + share * FADED[:3], atol=1e-9)
@@ -49,12 +50,12 @@ def test_target_wind_gust_and_what_fades_add_up(travelled, left, turn_rate):
 
 def test_a_track_is_not_followed_further_back_than_it_reaches():
     back = ahead(travelled=-5.0, left=0.0, faded=np.zeros(6))
-    least = TurnPrediction()(STATE, 0.04, 0.2, np.array([-1.0]))[0]
-    np.testing.assert_allclose(back[0], np.tile(least[0], (len(AHEAD), 1)), atol=1e-9)
+    least = np.ravel(TURN(STATE.ravel(), 0.04, 0.2, -REWIND)[:3])
+    np.testing.assert_allclose(back[0], np.tile(least, (len(AHEAD), 1)), atol=1e-9)
 
 
 def test_a_later_call_leaves_an_earlier_answer_alone():
-    outlook = Outlook(len(AHEAD), rewind=1.0)
+    outlook = Outlook(len(AHEAD))
     told = STATE.reshape(-1), (0.04, 0.2, 0.3, 1.0), FADED
     first = outlook(*told, (WIND, TREND, GUST, TIMES), AHEAD)
     kept = first[1].copy()

@@ -20,13 +20,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.rate_aided import (
-    RATE_AIDED,
-    RATE_BIAS,
-    begin,
-    begin_values,
-    smoothed,
-)
+from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED, RATE_BIAS, begin_values, smoothed
 
 STEP = 0.05
 
@@ -43,8 +37,7 @@ class Heading:
         symbols = ca.SX.sym("dt"), *[ca.SX.sym(name, 3) for name in ("x", "rate", "told")]
         after = RATE_AIDED.joined(smoothed(parts, *symbols, ca.DM(3 * [biased])))
         self._update = ca.Function("update", [known, *symbols], [after])
-        self._known, self._begun = np.zeros(RATE_AIDED.size), False
-        begin(self.parts)
+        self._known, self._begun = RATE_AIDED.begin.copy(), False
 
     @property
     def parts(self):

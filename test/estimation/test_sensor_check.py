@@ -35,7 +35,6 @@ from uav_tracking_mpc.estimation.sensor_check import (
     VELOCITY_CHECK,
     WINDOW,
     air_checked,
-    begin_air_check,
     position_checked,
     repeated,
     velocity_checked,
@@ -79,9 +78,7 @@ class AirCheck(Evaluated):
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
-        memory = np.zeros(AIR_CHECK.size)
-        begin_air_check(AIR_CHECK.parts(memory))
-        super().__init__(check, AIR_CHECK, memory, [1, 1, 1, 1, 1, 4, 2, 3, 2])
+        super().__init__(check, AIR_CHECK, AIR_CHECK.begin.copy(), [1, 1, 1, 1, 1, 4, 2, 3, 2])
         self.time, self.heading = 0.0, 0.0
 
     @property

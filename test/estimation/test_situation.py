@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, DIRECTIONS
 from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 from uav_tracking_mpc.dynamics.vehicle import advance
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Situation, steady_forecast
 
 FLIGHT = small_uav.parameters()
 
@@ -72,3 +72,12 @@ def test_in_a_drift_the_bearing_is_that_of_the_relative_velocity():
     )
     orbit = replace(FLIGHT.orbit, direction=COUNTER_CLOCKWISE, speed=float(np.hypot(*air)))
     np.testing.assert_allclose(now.tracking_error(orbit), 0.0, atol=1e-9)
+
+
+def test_a_steady_forecast_is_the_present_at_every_stage():
+    target, drift = np.array([3.0, -4.0, 1.0]), np.array([5.0, 2.0, -0.5])
+    now = Situation(np.zeros(6), target, drift, np.array([0.3, 0.0, 0.0]), np.zeros(3))
+    forecast = steady_forecast(now, 7)
+    np.testing.assert_array_equal(forecast.target, [target] * 8)
+    np.testing.assert_array_equal(forecast.drift, [drift] * 8)
+    np.testing.assert_array_equal(forecast.drift_rate, np.zeros((8, 3)))

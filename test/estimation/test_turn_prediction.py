@@ -12,18 +12,22 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-import sys
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.turn_prediction import TurnPrediction
+from uav_tracking_mpc.estimation.turn_prediction import TURN
 
 KNOWN = 1e-12  # m^2/s^4, next to nothing uncertain
 LEADS = np.linspace(0.0, 20.0, 41)
+
+
+def ahead(state, variance, turn_rate, leads):
+    """Positions, velocities and accelerations."""
+    motions = [np.reshape(TURN(state.ravel(), variance, turn_rate, lead), (3, 3)) for lead in leads]
+    return np.swapaxes(motions, 0, 1)
 
 
 def test_a_circle_is_predicted_round():
@@ -31,7 +35,7 @@ def test_a_circle_is_predicted_round():
     angle = omega * LEADS
     circle = radius * np.array([np.cos(angle), np.sin(angle), 0.0 * angle]).T
     state = np.array([[radius, 0, 0], [0, radius * omega, 0], [-radius * omega**2, 0, 0]])
-    positions, velocities, accelerations = TurnPrediction()(state, KNOWN, omega, LEADS)
+    positions, velocities, accelerations = ahead(state, KNOWN, omega, LEADS)
     np.testing.assert_allclose(positions, circle, atol=1e-9)
     np.testing.assert_allclose(accelerations, -(omega**2) * circle, atol=1e-9)
     np.testing.assert_allclose(np.linalg.norm(velocities, axis=1), radius * omega)
@@ -41,7 +45,7 @@ def test_a_circle_is_predicted_round():
 def test_positions_velocities_and_accelerations_are_derivatives(turn_rate):
     state = np.array([[1.0, 2.0, 3.0], [4.0, -3.0, 0.5], [0.6, 0.1, 0.0]])
     leads = np.linspace(0.0, 10.0, 2001)
-    motion = TurnPrediction()(state, 0.01, turn_rate, leads)
+    motion = ahead(state, 0.01, turn_rate, leads)
     np.testing.assert_allclose(motion[0, 0], state[0], atol=1e-8)
     np.testing.assert_allclose(motion[1, 0], state[1], atol=1e-8)
     for k in (0, 1):
@@ -51,13 +55,13 @@ def test_positions_velocities_and_accelerations_are_derivatives(turn_rate):
 
 def test_a_straight_run_goes_on():
     state = np.array([[0.0, 0.0, 0.0], [3.0, 4.0, -1.0], [0.0, 0.0, 0.0]])
-    positions = TurnPrediction()(state, KNOWN, 0.0, LEADS)[0]
+    positions = ahead(state, KNOWN, 0.0, LEADS)[0]
     np.testing.assert_allclose(positions, np.outer(LEADS, state[1]), atol=1e-4)
 
 
 def test_a_braking_target_comes_to_rest():
     state = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [-2.0, 0.0, 0.0]])
-    velocities = TurnPrediction()(state, KNOWN, 0.0, np.linspace(0.0, 100.0, 50))[1]
+    velocities = ahead(state, KNOWN, 0.0, np.linspace(0.0, 100.0, 50))[1]
     assert np.all(velocities[:, 0] > -1e-9)
     assert velocities[-1, 0] == pytest.approx(0.0, abs=1e-6)
 
@@ -68,24 +72,5 @@ def test_a_braking_target_comes_to_rest():
     st.floats(-1e6, 1e6),
 )
 def test_predictions_are_finite(state, variance, turn_rate):
-    motion = TurnPrediction()(np.reshape(state, (3, 3)), variance, turn_rate, LEADS)
+    motion = ahead(np.reshape(state, (3, 3)), variance, turn_rate, LEADS)
     assert np.all(np.isfinite(motion))
-
-
-def test_threads_that_predict_at_once_share_no_numbers():
-    """Flights of a campaign, and nodes of one process, have a filter each."""
-
-    def furthest(speed):
-        state = np.array([[0.0, 0.0, 0.0], [speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
-        predict = TurnPrediction()
-        return [predict(state, KNOWN, 0.0, LEADS)[0][-1, 0] for _ in range(2000)]
-
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    try:
-        with ThreadPoolExecutor(2) as threads:
-            one, other = threads.map(furthest, (1.0, 2.0))
-    finally:
-        sys.setswitchinterval(interval)
-    np.testing.assert_allclose(one, 20.0)
-    np.testing.assert_allclose(other, 40.0)

@@ -20,8 +20,7 @@ import pytest
 import small_uav
 
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE
-from uav_tracking_mpc.estimation.forecast import steady_forecast
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Situation, steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.mpc.solver import Status, solutions
 from uav_tracking_mpc.parameters.specification import taken

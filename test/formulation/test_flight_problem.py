@@ -33,7 +33,7 @@ from uav_tracking_mpc.dynamics.relative import (
     vehicle_state,
 )
 from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleState
-from uav_tracking_mpc.estimation.forecast import steady_forecast
+from uav_tracking_mpc.estimation.situation import steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation, flight_problem
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, SMALL
 from uav_tracking_mpc.formulation.paper_formulation import problem_of

@@ -22,7 +22,7 @@ import pytest
 import small_uav
 
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleState
-from uav_tracking_mpc.estimation.forecast import steady_forecast
+from uav_tracking_mpc.estimation.situation import steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 
 HELD = small_uav.parameters("autopilot_holds=true", "direction=counter_clockwise")

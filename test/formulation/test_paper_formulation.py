@@ -21,7 +21,7 @@ import pytest
 import small_uav
 
 from uav_tracking_mpc.dynamics.relative import tracking_error, vehicle_state
-from uav_tracking_mpc.estimation.forecast import steady_forecast
+from uav_tracking_mpc.estimation.situation import steady_forecast
 from uav_tracking_mpc.formulation.paper_formulation import (
     PaperFormulation,
     problem_of,

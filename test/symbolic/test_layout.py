@@ -33,6 +33,11 @@ def test_parts_are_views_of_the_vector():
     assert OUTER.part("inner", vector).tolist() == [7.0, 3.0, 4.0]
 
 
+def test_a_layout_begins_with_the_numbers_of_its_parts():
+    assert Layout(first=[1.0, 2.0], inner=OUTER, last=1).begin.tolist() == [1.0, 2.0, *[0.0] * 7]
+    assert Layout(inner=Layout(last=[3.0])).begin.tolist() == [3.0]
+
+
 def test_parts_of_symbols_make_the_column_again():
     column, parts = OUTER.symbol("column")
     assert ca.is_equal(OUTER.joined(parts), ca.densify(column))

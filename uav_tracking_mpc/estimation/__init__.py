@@ -38,7 +38,6 @@
 ``channel_response``     what is known of them
 ``outlook``              target and drift from now on, from what is known of both
 ``navigator``            measurements in, situations and forecast out
-``situation``            aircraft, target and the drift between them at one time
-``forecast``             target and drift over a horizon
+``situation``            aircraft, target and the drift between them, at one time and over a horizon
 =======================  =======================================================================
 """

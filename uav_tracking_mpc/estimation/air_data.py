@@ -23,14 +23,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
-from uav_tracking_mpc.estimation.sensor_check import STALE
-from uav_tracking_mpc.estimation.sensor_health import OFF, STUCK, USED
+from uav_tracking_mpc.estimation.sensor_check import CODE, STALE
+from uav_tracking_mpc.estimation.sensor_health import OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
@@ -91,43 +92,29 @@ class AirData:
     Args:
         timeout: Greatest difference of its stamp from that of a measurement, or of the one before,
             and how long the first one is awaited, in [s].
+        found: What the estimate has found of aircraft, air and sensors, by :data:`FOUND`. The path
+            is found with an airspeed that fits the wind as it is known without the airspeed:
+            heading and path angle, by which the airspeed is judged, must not depend on one that
+            fails.
 
     Attributes:
         missing: Whether the latest vehicle state had no airspeed to go by.
         awaited: Whether it had none because the first airspeed may still come.
-        wind: As it is known without the airspeed, shape (3,), in [m/s]. The path is found with an
-            airspeed that fits it: heading and path angle, by which the airspeed is judged, must not
-            depend on one that fails.
-        wind_known: Whether it is known well enough for that.
-        failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
         nose: Where it points in [rad] and how it turns in [rad/s], where it is the bank that tells
             how the path does.
         by_turn: Airspeed by bank and turn rate in [m/s]; inf where it is not known.
-        estimated: Airspeed that was estimated last in [m/s].
-        velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
-        heading_failed: Whether the heading is: the path then goes by the bank alone where it turns
-            the other way.
-        position_noise: Standard deviation of positions that was found in [m].
         stuck: Whether the heading is stuck, and whether the ground velocity is.
         climb_state: State of a vertical velocity that pitch and height replace.
         limits: Least and greatest airspeed of the aircraft in [m/s].
+        holds_altitude: Whether an autopilot does, so that quick changes are not commanded. One
+            without a good airspeed does not: it dives, or climbs, by a wrong one.
         impossible: Whether the airspeed is left out because the aircraft cannot fly at it.
     """
 
-    def __init__(self, timeout: float) -> None:
-        self.timeout, self.limits = timeout, (0.0, math.inf)
-        self._path, self._held = FlightPath(), False
+    def __init__(self, timeout: float, found: SimpleNamespace) -> None:
+        self.timeout, self.limits, self.holds_altitude = timeout, (0.0, math.inf), False
+        self._path, self._found = FlightPath(), found
         self.reset()
-
-    def hold_altitude(self, held: bool) -> None:
-        """Say whether an autopilot holds the altitude, so that quick changes are not commanded.
-
-        An autopilot without a good airspeed does not: it dives, or climbs, by a wrong one.
-
-        Args:
-            held: Whether it does; not so at the start.
-        """
-        self._held = held
 
     def reset(self) -> None:
         """Forget the aircraft and the airspeed."""
@@ -137,19 +124,15 @@ class AirData:
     def begin_anew(self) -> None:
         """Forget the aircraft, as one that is elsewhere; what was measured of the air counts on."""
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
-        self.missing = self.awaited = False
+        self.missing = self.awaited = self.impossible = False
         self._path.reset()
         self._heading, self._velocity, self._climb, self._level = (Repetition() for _ in range(4))
         self._bank, self._turn_rate = Repetition(), 0.0  # rad/s, of the nose
         self._place, self._stays = (math.nan,) * 3, 0.0  # m, and for how long it is the same in [s]
         self.stuck, self.climb_state = (False, False), USED
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
-        self.wind = np.zeros(3)
-        self.wind_known = self.failed = self.velocity_failed = self.heading_failed = False
         self.nose: tuple[float, float] | None = None
-        self.estimated, self.by_turn, self.position_noise = 0.0, math.inf, 0.0
-        self.impossible = False
-        self._mirrored = 0.0
+        self.by_turn, self._mirrored = math.inf, 0.0
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -176,9 +159,9 @@ class AirData:
             measurement: Its own airspeed counts first, then the one that came by itself.
         """
         airspeed, stamp = measurement.airspeed, measurement.stamp
-        self._path.height_noise = max(measurement.noise.position[2], self.position_noise)
+        height_noise = max(measurement.noise.position[2], float(self._found.position_noise[0]))
         if stamp != self._latest:
-            self._compare(measurement, min(stamp - self._latest, self.timeout))
+            self._compare(measurement, min(stamp - self._latest, self.timeout), height_noise)
             self._before, self._latest = self._latest, stamp
         near = any(abs(each - self._stamp) <= self.timeout for each in (stamp, self._before))
         if airspeed is None and near:
@@ -187,26 +170,30 @@ class AirData:
         airspeed = None if self.impossible else airspeed
         self.missing = airspeed is None
         if airspeed is not None or self._first is None:
-            self._first = measurement.stamp if airspeed is None else -math.inf
-        self.awaited = self.missing and measurement.stamp - self._first < self.timeout
-        self._path.velocity_failed = self.velocity_failed
-        held = self._held and not (self.missing or self.failed)
-        self._path.climb_frequency = SLOW_CLIMB if held else QUICK_CLIMB
-        self._path.heading_failed = self.heading_failed
-        if airspeed is None:
-            plausible = self.estimated if self.velocity_failed else self._expected(measurement)
-        else:
-            plausible = self._plausible(measurement, airspeed)
+            self._first = stamp if airspeed is None else -math.inf
+        self.awaited = self.missing and stamp - self._first < self.timeout
+        held = self.holds_altitude and not (self.missing or self._failed)
+        climb_stuck = self._climb.stuck or self._level.stuck
+        plausible = self._plausible(measurement, airspeed)
         attitude = replace(measurement, bank=None) if self._bank.stuck else measurement
-        of_path = self._path.of(attitude, plausible)
-        by_gyros = measurement.heading, measurement.turn_rate
-        self.nose = None if of_path is attitude else by_gyros
-        climb_stuck, self.climb_state = self._path.climb_stuck, USED
-        if self.nose is not None and self._path.climb_failed:
-            self.climb_state = STUCK if climb_stuck else OFF
+        of_path = self._path.of(
+            attitude,
+            plausible,
+            climb_frequency=SLOW_CLIMB if held else QUICK_CLIMB,
+            height_noise=height_noise,
+            velocity_failed=self._velocity_failed,
+            climb_stuck=climb_stuck,
+            heading_failed=bool(self._found.states[1] or self._found.snapped[0]),
+            heading_stuck=self._heading.stuck,
+        )
+        self.nose, self.by_turn, self.climb_state = None, math.inf, USED
+        if of_path is not attitude:
+            self.nose = measurement.heading, measurement.turn_rate
+            self.by_turn = plausible * self._path.airspeed_share
+            if climb_stuck or self._path.climb.failed:
+                self.climb_state = STUCK if climb_stuck else OFF
         climb_stuck = climb_stuck and self.nose is None
         self.stuck = self._heading.stuck, self._velocity.stuck or climb_stuck
-        self.by_turn = math.inf if self.nose is None else plausible * self._path.airspeed_share
         if airspeed is not None:
             return of_path, of_path.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)
@@ -221,17 +208,18 @@ class AirData:
         if airspeed is None:
             return False
         (low, high), (least, most) = POSSIBLE, self.limits
-        if self.wind_known and not self.velocity_failed:
+        if self._found.known[0] and not self._velocity_failed:
             flown = max(self._expected(measurement), SLOW)
             if low <= airspeed / flown <= high:  # as after an engine that has failed
                 return False
         flies = math.hypot(*measurement.ground_velocity.tolist()) > low * least
         if airspeed > high * most or (airspeed < low * least and flies):
             return True
-        off = self.estimated > 0.0 and not low <= airspeed / max(self.estimated, SLOW) <= high
+        estimated = float(self._found.vehicle[5])
+        off = estimated > 0.0 and not low <= airspeed / max(estimated, SLOW) <= high
         return self.impossible and off
 
-    def _compare(self, measurement: Measurement, elapsed: float) -> None:
+    def _compare(self, measurement: Measurement, elapsed: float, height_noise: float) -> None:
         """Whether heading and ground velocity change as the aircraft does."""
         velocity, place = measurement.ground_velocity.tolist(), tuple(measurement.position.tolist())
         turned = elapsed * measurement.turn_rate
@@ -248,15 +236,13 @@ class AirData:
         self._bank.see(measurement.bank, elapsed, told * rolled, STUCK_ROLL)
         missed = place[2] - self._place[2] - elapsed * velocity[2]
         missed = 0.0 if math.isnan(missed) else missed
-        most = STUCK_CLIMB + NOISE_MULTIPLE * self._path.height_noise
+        most = STUCK_CLIMB + NOISE_MULTIPLE * height_noise
         self._climb.see(velocity[2], elapsed, missed, most, longest)
         # Where height and climb are stuck together, the pitch tells.
         by_pitch = elapsed * self._path.climb.missed
         self._level.see(velocity[2], elapsed, by_pitch, STUCK_CLIMB, longest)
         self._place = place
         self._compare_with_course(measurement.heading, velocity[0], velocity[1], elapsed)
-        self._path.climb_stuck = self._climb.stuck or self._level.stuck
-        self._path.heading_stuck = self._heading.stuck
 
     def _compare_with_course(
         self, heading: float, east: float, north: float, elapsed: float
@@ -266,8 +252,18 @@ class AirData:
         beside = abs(math.remainder(course - heading, math.tau))
         mirrored = abs(math.remainder(course + heading - 0.5 * math.pi, math.tau))
         looks = math.hypot(east, north) > FLYING and beside > BESIDE and mirrored < ALONG
-        sound = not (self._heading.stuck or self._velocity.stuck or self.velocity_failed)
+        sound = not (self._heading.stuck or self._velocity.stuck or self._velocity_failed)
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
+
+    @property
+    def _failed(self) -> bool:
+        """Whether the airspeed is known to be wrong."""
+        return bool(self._found.states[0] > CODE[SILENT])
+
+    @property
+    def _velocity_failed(self) -> bool:
+        """Whether the ground velocity is: the path then goes by pitch and height."""
+        return bool(self._found.states[3])
 
     @property
     def surplus(self) -> float:
@@ -277,15 +273,20 @@ class AirData:
         """
         return 0.0 if self.nose is None else self._path.surplus
 
-    def _plausible(self, measurement: Measurement, airspeed: float) -> float:
-        if not self.wind_known or self.velocity_failed:
+    def _plausible(self, measurement: Measurement, airspeed: float | None) -> float:
+        """Airspeed that fits the wind, in [m/s]."""
+        if airspeed is None and self._velocity_failed:
+            return float(self._found.vehicle[5])
+        if airspeed is None:
+            return self._expected(measurement)
+        if not self._found.known[0] or self._velocity_failed:
             return airspeed
-        expected, gusts = self._expected(measurement), 0.0 if self.failed else GUSTS
+        expected, gusts = self._expected(measurement), 0.0 if self._failed else GUSTS
         return min(max(airspeed, expected - gusts), expected + gusts)
 
     def _expected(self, measurement: Measurement) -> float:
         """Airspeed by ground velocity and wind, in [m/s]."""
-        return math.hypot(*(measurement.ground_velocity - self.wind).tolist())
+        return math.hypot(*(measurement.ground_velocity - self._found.without).tolist())
 
     def concerns(self, wind_known: bool = False) -> list[tuple[bool, str]]:
         """What may be taken otherwise than it is measured: whether it is, and what to say.

@@ -103,11 +103,12 @@ MEMORY = Layout(
 # [m/s^2], the gust that lasts [m/s] and how long gusts last on each axis [s], intensity of level
 # gusts [m^2/s^3]. State of each sensor, whether the heading has jumped, and the air changed; the
 # mean wind without the airspeed [m/s], whether it is known, the standard deviation of what ground
-# velocity and wind tell of the airspeed [m/s]; and by how much an airspeed that is still used may
-# be too high, and too low [m/s].
+# velocity and wind tell of the airspeed [m/s]; by how much an airspeed that is still used may be
+# too high, and too low [m/s]; and the standard deviation of positions [m].
 FOUND = Layout(
     vehicle=6, rates=3, wind=3, trend=3, gust=3, times=3, walk=1,
     states=4, snapped=1, changed=1, without=3, known=1, deviation=1, doubts=2,
+    position_noise=1,
 )  # fmt: skip
 
 
@@ -131,28 +132,20 @@ class AirEstimate:
 
     def reset(self) -> None:
         """Forget the air and believe every sensor."""
-        self._memory[:] = self._step.results[1][:] = 0.0
+        self._memory[:], self._step.results[1][:] = MEMORY.begin, 0.0
         self._begin_filters()
-        rate_aided.begin(self._known.aided)
-        sensor_check.begin_air_check(self._known.air)
         self._states = [USED] * len(self.health.states)
         self.health.reset()
 
     def _begin_filters(self) -> None:
         """Nothing is known of the wind."""
-        for name in (*LANES, "meters", "places", "quick"):
-            MEMORY.part(name, self._memory)[:] = 0.0
-        for lane in LANES:
-            wind_filter.begin_lane(getattr(self._known, lane))
-        wind_filter.METERS.begin(self._known.meters)
-        wind_filter.PLACES.begin(self._known.places)
+        self._forget(*LANES, "meters", "places", "quick")
         self.found.without[:] = self.found.known[:] = 0.0
         self._time: float | None = None
 
-    @property
-    def position_noise(self) -> float:
-        """Standard deviation of positions that was found in [m]."""
-        return math.sqrt(max(float(self._known.places.held[0]), 0.0))
+    def _forget(self, *names: str) -> None:
+        for name in names:
+            MEMORY.part(name, self._memory)[:] = MEMORY.part(name, MEMORY.begin)
 
     def update(
         self,
@@ -229,11 +222,9 @@ class AirEstimate:
             wind_filter.begin_position(lane, seen.position, seen.position_noise)
             lane.air[:] = vehicle_model.air_velocity(heading, path_angle, airspeed, np)
         rate_aided.begin_values(known.aided, motion, seen.rates, seen.noise)
-        for name in ("velocity", "place", "compass"):
-            MEMORY.part(name, self._memory)[:] = 0.0
+        self._forget("velocity", "place", "compass")
         known.velocity.begin[:] = known.follower.place[:] = seen.position
         known.velocity.before[:] = known.follower.velocity[:] = known.ground[:] = seen.ground
-        known.place.last[:] = np.nan
 
     def _taken(self) -> SimpleNamespace:
         """What has been found; a filter goes on from the one that no wrong sensor has come into."""
@@ -432,6 +423,7 @@ def _step() -> ca.Function:
         deviation=ca.sqrt(ca.fmax(unknown, 0.0)),
         walk=walks[0],
         doubts=air.doubts,
+        position_noise=ca.sqrt(ca.fmax(metered_places.held, 0.0)),
     )
     results = [MEMORY.joined(remembered), FOUND.joined(found)]
     return ca.Function("air_estimate", [memory, measured], results)

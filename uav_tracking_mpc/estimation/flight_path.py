@@ -254,17 +254,10 @@ class FlightPath:
     to and fro quicker than its nose follows; both rates are therefore smoothed before.
 
     Attributes:
-        climb_frequency: Up to which changes of the climb count, in [rad/s].
-        velocity_failed: Whether the ground velocity is known to be wrong, and with it the climb.
-        climb_stuck: Whether the measured climb is stuck.
-        height_noise: Standard deviation of the height in [m].
-        heading_stuck: Whether the heading is: the turn then goes by the bank alone.
-        heading_failed: Whether it is wrong otherwise: likewise, while it turns the other way.
         climb: By pitch and height, and what that says of the measured one.
     """
 
     def __init__(self) -> None:
-        self.climb_frequency = QUICK_CLIMB
         self.reset()
 
     def reset(self) -> None:
@@ -272,18 +265,11 @@ class FlightPath:
         self._direction = FlightDirection()
         self._followed = Followed()  # w [m/s] and a [m/s^2]
         self.climb = Climb()
-        self.velocity_failed = self.climb_stuck = self.heading_stuck = False
-        self.heading_failed = False
-        self._nose = self.height_noise = 0.0  # rad, m
+        self._nose = 0.0  # rad
         self._up, self._nose_climb = math.nan, 0.0  # m/s: the climb, and that of the nose with it
         self._time = -math.inf
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
         self._banked = self._along = 0.0  # rad^2/s^2, averages of r_b^2 and r_b r_n
-
-    @property
-    def climb_failed(self) -> bool:
-        """Whether the measured climb is wrong: pitch and height then replace it."""
-        return self.climb_stuck or self.climb.failed
 
     @property
     def contradicted(self) -> bool:
@@ -305,7 +291,17 @@ class FlightPath:
         share = _within(share, SHARE_LIMIT)
         return 1.0 if self.contradicted else 1.0 / (1.0 + share)
 
-    def of(self, measurement: Measurement, airspeed: float) -> Measurement:
+    def of(
+        self,
+        measurement: Measurement,
+        airspeed: float,
+        climb_frequency: float = QUICK_CLIMB,
+        height_noise: float = 0.0,
+        velocity_failed: bool = False,
+        climb_stuck: bool = False,
+        heading_failed: bool = False,
+        heading_stuck: bool = False,
+    ) -> Measurement:
         """The same with climb, heading, path angle and their rates of the air velocity.
 
         Without a bank the nose is all that is known of it, and is taken for it.
@@ -313,6 +309,14 @@ class FlightPath:
         Args:
             measurement: Not older than the one before.
             airspeed: That belongs to it in [m/s].
+            climb_frequency: Up to which changes of the climb count, in [rad/s].
+            height_noise: Standard deviation of the height in [m].
+            velocity_failed: Whether the ground velocity is known to be wrong, and with it the
+                climb.
+            climb_stuck: Whether the measured climb is stuck: pitch and height then replace it.
+            heading_failed: Whether the heading is wrong: while it turns the other way, the turn
+                goes by the bank alone.
+            heading_stuck: Whether it is stuck: the turn goes by the bank alone.
         """
         bank, pitch = measurement.bank, measurement.path_angle
         if measurement.axis is Axis.AIR_VELOCITY or bank is None or airspeed < LEAST_AIRSPEED:
@@ -324,41 +328,42 @@ class FlightPath:
         ground_velocity = measurement.ground_velocity.copy()
         up, height = float(ground_velocity[2]), float(measurement.position[2])
         noise = measurement.noise
-        by_pitch = self.climb.see(step, airspeed * math.sin(pitch), up, height, self.height_noise)
+        by_pitch = self.climb.see(step, airspeed * math.sin(pitch), up, height, height_noise)
         if up != self._up:
             self._up, self._nose_climb = up, self.climb.nose_climb
         bridged = up + self.climb.nose_climb - self._nose_climb  # since it was measured
-        up = by_pitch if self.velocity_failed or self.climb_failed else bridged
+        climb_failed = climb_stuck or self.climb.failed
+        up = by_pitch if velocity_failed or climb_failed else bridged
         if 0.0 < step <= LONGEST_STEP:
-            climb.see(step, up, self.climb_frequency)
+            climb.see(step, up, climb_frequency)
         elif step != 0.0:
             climb.value, climb.rate = up, 0.0
-        if not self.velocity_failed:  # else it shall not agree because it was replaced
+        if not velocity_failed:  # else it shall not agree because it was replaced
             ground_velocity[2] = climb.value
-            if self.climb_failed:
+            if climb_failed:
                 noise = dataclasses.replace(noise, velocity=(*noise.velocity[:2], CLIMB_NOISE))
         path_angle = math.asin(min(max(climb.value / airspeed, -1.0), 1.0))
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
         turned = math.remainder(nose - self._nose, 2.0 * math.pi)
-        if 0.0 < step <= LONGEST_STEP and not self.heading_stuck:
+        if 0.0 < step <= LONGEST_STEP and not heading_stuck:
             if abs(turned - step * by_bank) > NOSE_JUMP:
                 direction.heading += turned  # for others to judge; it tells nothing of the turn
             else:
                 share = step / ROLLING
                 self._by_bank += share * (by_bank - self._by_bank)
                 self._by_nose += share * (turned / step - self._by_nose)
-                lately = 0.0 if self.heading_failed else step / TRIAL
+                lately = 0.0 if heading_failed else step / TRIAL
                 along = self._by_bank * self._by_nose
                 self._banked += lately * (self._by_bank**2 - self._banked)
                 self._along += lately * (along - self._along)
         # A heading that is wrong tells of the turn all the same, unless it turns the other way.
         against = self._by_bank * (self._by_bank - 2.0 * self._by_nose) > 0.0
-        no_turn = self.heading_stuck or (self.heading_failed and against)
+        no_turn = heading_stuck or (heading_failed and against)
         direction.see(time, None if no_turn else nose, by_bank)
-        if no_turn and not self.heading_stuck:
+        if no_turn and not heading_stuck:
             direction.heading = nose  # for others to judge whether it is right again
-        self._nose = direction.heading if self.heading_stuck else nose
+        self._nose = direction.heading if heading_stuck else nose
         if self.contradicted:
             return measurement
         return dataclasses.replace(

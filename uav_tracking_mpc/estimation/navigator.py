@@ -29,21 +29,12 @@ from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.command_history import CommandHistory
-from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
 from uav_tracking_mpc.estimation.response_candidates import ACCELERATION
-from uav_tracking_mpc.estimation.sensor_health import (
-    AIRSPEED,
-    HEADING,
-    OFF,
-    POSITION,
-    SILENT,
-    USED,
-    VELOCITY,
-)
-from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
+from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, USED, VELOCITY
+from uav_tracking_mpc.estimation.situation import Forecast, Situation
+from uav_tracking_mpc.estimation.target_filter import TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
@@ -97,8 +88,8 @@ class Navigator:
 
     @one_at_a_time
     def __init__(self, parameters: TrackingParameters) -> None:
-        self.air = AirData(parameters.state_timeout)
         self.air_estimate = AirEstimate()
+        self.air = AirData(parameters.state_timeout, self.air_estimate.found)
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
@@ -124,10 +115,10 @@ class Navigator:
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         if len(self._times) != len(self._stages) + 1:
             self._times = np.zeros(len(self._stages) + 1)
-            self._outlook = Outlook(len(self._times), REWIND)
+            self._outlook = Outlook(len(self._times))
         if parameters.air_estimation:  # something stands in for an airspeed that is left out
             self.air.limits = parameters.airspeed_min, parameters.airspeed_max
-        self.air.hold_altitude(self._model.commanded == 1)
+        self.air.holds_altitude = self._model.commanded == 1
         self.target.tune(parameters.target_noise, parameters.target_agility)
 
     def respond(self, response: Response) -> None:
@@ -216,10 +207,10 @@ class Navigator:
                 SI units; None if it is not known.
         """
         known = self.target.time
-        before = None if known is None else self.target.ahead([max(time, known)])
+        before = None if known is None else self.target.motion(max(time, known))
         taken = self.target.update(time, position, velocity, covariance)
         if taken and before is not None:
-            corrected = np.subtract(before, self.target.ahead([time]))[:2, 0]
+            corrected = (before - self.target.motion(time))[:2]
             self._faded, self._fade_begin = self._fading(time) + corrected, time
         return taken
 
@@ -302,17 +293,11 @@ class Navigator:
             air = self.air
             told = air.missing, air.nose, air.stuck, air.by_turn
             found = self.air_estimate.update(measurement, vehicle, rates, ground, *told)
-            self.air.wind, self.air.wind_known = found.without, bool(found.known[0])
             states = self.air_estimate.health.states
-            self.air.failed = states[AIRSPEED] not in (USED, SILENT)
-            self.air.velocity_failed = states[VELOCITY] != USED
-            self.air.heading_failed = states[HEADING] != USED
-            if self.air.impossible:
+            if air.impossible:
                 states[AIRSPEED] = OFF
             if states[VELOCITY] == USED:
-                states[VELOCITY] = self.air.climb_state
-            self.air.estimated = float(found.vehicle[5])
-            self.air.position_noise = self.air_estimate.position_noise
+                states[VELOCITY] = air.climb_state
             return found
         if not measurement.placed:
             raise ValueError("no position is measured")

@@ -63,7 +63,7 @@ class NoiseMeters:
             that is taken at first, counts for little, so that jumps are no noise.
 
     Attributes:
-        layout: Names of what is known.
+        layout: Names of what is known, and what that is before any sample.
     """
 
     def __init__(
@@ -74,25 +74,14 @@ class NoiseMeters:
         memory: float = MEMORY,
         jumping: bool = False,
     ) -> None:
-        self._sizes, self._prior, self._memory = sizes, (deviations, walks), memory
-        self._width, count = sum(sizes), len(sizes)
-        self._jumping = jumping
-        times = dict.fromkeys(("count", "weight", "short_time", "long_time"), 1)
-        values = dict.fromkeys(("short", "long", "average", "before", "held"), count)
-        samples = {"ages": SAMPLES, "samples": SAMPLES * self._width}
-        self.layout = Layout(**times, **values, **samples)
-
-    def begin(self, known: SimpleNamespace) -> None:
-        """Write what is known before any sample.
-
-        Args:
-            known: Views by :attr:`layout`, all 0.
-        """
-        deviations, walks = self._prior
-        known.weight[:], known.long_time[:] = PRIOR_TIME, 1.0
-        known.held[:] = np.square(deviations)
-        known.short[:] = 2.0 * known.held
-        known.long[:] = known.short + walks
+        self._sizes, self._memory, self._jumping = sizes, memory, jumping
+        self._width, count, variances = sum(sizes), len(sizes), np.square(deviations)
+        self._short = 2.0 * variances
+        self.layout = Layout(
+            count=1, weight=[PRIOR_TIME], short_time=1, long_time=[1.0], short=self._short,
+            long=self._short + walks, average=count, before=count, held=variances,
+            ages=SAMPLES, samples=SAMPLES * self._width,
+        )  # fmt: skip
 
     def metered(
         self, known: SimpleNamespace, elapsed: ca.SX, sample: ca.SX, told: ca.SX
@@ -164,8 +153,8 @@ class NoiseMeters:
         """Of the components of each signal, clipped where they may jump."""
         pieces = ca.vertsplit(difference, np.cumsum([0, *self._sizes]).tolist())
         squares = ca.vertcat(*[ca.sumsqr(piece) / piece.numel() for piece in pieces])
-        least = 2.0 * np.square(self._prior[0])
-        return ca.fmin(squares, CLIPPED * ca.fmax(usual, least)) if self._jumping else squares
+        most = CLIPPED * ca.fmax(usual, self._short)
+        return ca.fmin(squares, most) if self._jumping else squares
 
 
 def _walks(short: ca.SX, long: ca.SX, apart: ca.SX) -> ca.SX:

@@ -30,7 +30,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.estimation.turn_prediction import TURN
+from uav_tracking_mpc.estimation.turn_prediction import REWIND, TURN
 from uav_tracking_mpc.symbolic.layout import Layout
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
@@ -48,11 +48,10 @@ class Outlook:
 
     Args:
         count: n, how many times.
-        rewind: Time in [s] before the newest position up to which a target's track reaches.
     """
 
-    def __init__(self, count: int, rewind: float) -> None:
-        self._function, self._count = NativeFunction(_function(count, rewind)), count
+    def __init__(self, count: int) -> None:
+        self._function, self._count = NativeFunction(_function(count)), count
 
     def __call__(
         self,
@@ -84,18 +83,18 @@ class Outlook:
 
 
 @functools.cache
-def _function(count: int, rewind: float) -> ca.Function:
+def _function(count: int) -> ca.Function:
     """What :class:`Outlook` evaluates; to derive it takes fifty milliseconds."""
     told, parts = TOLD.symbol("told")
     times = ca.SX.sym("ahead", count)
-    rows = ca.horzcat(*[_at(rewind, time, parts) for time in ca.vertsplit(times)])
+    rows = ca.horzcat(*[_at(time, parts) for time in ca.vertsplit(times)])
     return ca.Function("outlook", [told, times], [rows], {"cse": True})
 
 
-def _at(rewind: float, time: ca.SX, told: SimpleNamespace) -> ca.SX:
+def _at(time: ca.SX, told: SimpleNamespace) -> ca.SX:
     """Target's position, c and c' at one time."""
     left = told.left
-    lead = ca.fmax(told.travelled + left * time, -rewind)
+    lead = ca.fmax(told.travelled + left * time, -REWIND)
     position, velocity, acceleration = ca.vertsplit(
         TURN(told.motion, told.variance, told.turn_rate, lead), 3
     )

@@ -45,18 +45,8 @@ UNTOLD_WALK = np.array([0.001, 0.001, 0.0])
 DEVIATIONS = 3.0  # -, standard deviations of an innovation, that tells of the bias
 METERS = NoiseMeters((1, 1, 1), LEAST_NOISE.tolist(), (0.0, 0.0, 0.0))
 RATE_AIDED = Layout(
-    value=3, bias=3, rate=3, integral=3, xx=3, xb=3, bb=3, meters=METERS.layout
-)  # fmt: skip
-
-
-def begin(known: SimpleNamespace) -> None:
-    """Write what is known before anything is measured.
-
-    Args:
-        known: Views by :data:`RATE_AIDED`, all 0.
-    """
-    known.bb[:] = np.square(RATE_BIAS)
-    METERS.begin(known.meters)
+    value=3, bias=3, rate=3, integral=3, xx=3, xb=3, bb=np.square(RATE_BIAS), meters=METERS.layout
+)
 
 
 def begin_values(

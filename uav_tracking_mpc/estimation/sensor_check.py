@@ -75,7 +75,7 @@ VELOCITY_CHECK = Layout(
 JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0
 STALE = 1.5  # s, for which a position may repeat itself that is only seldom measured
 STANDING = 0.25  # -, share of JUMP, beyond which a climb leaves out a height that stays the same
-POSITION_CHECK = Layout(jumped=1, age=1, off=3, faded=3, last=3, climbed=1)
+POSITION_CHECK = Layout(jumped=1, age=1, off=3, faded=3, last=[math.nan] * 3, climbed=1)
 
 # Airspeed and heading
 # s: time constants of the noise of a residual, of its jumps, and of what lasts
@@ -116,20 +116,10 @@ ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the oth
 # much in m/s an airspeed may be too high, and too low, that nobody has found wrong yet; and which
 # part of what lasts nothing else explains.
 AIR_CHECK = Layout(
-    reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
-    recent=3, moved=1, reading=1, stood=1, usual=1, gained=1, speed=1, rough=2, own=2,
-    drifted=2, doubts=2, unexplained=1,
+    reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=[PRIOR**2] * 4, offsets=[PRIOR**2] * 4,
+    weight=2, explained=3, recent=3, moved=1, reading=[-1.0], stood=1, usual=1, gained=1, speed=1,
+    rough=2, own=2, drifted=2, doubts=2, unexplained=1,
 )  # fmt: skip
-
-
-def begin_air_check(known: SimpleNamespace) -> None:
-    """Write what is known before anything is compared.
-
-    Args:
-        known: Views by :data:`AIR_CHECK`, all 0.
-    """
-    known.jumps[:] = known.offsets[:] = PRIOR**2
-    known.reading[:] = -1.0
 
 
 def velocity_checked(

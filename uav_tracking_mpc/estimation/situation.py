@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a guidance law needs to know: the aircraft, the target, and the drift between them."""
+"""What a guidance law needs to know: aircraft, target, the drift between them; and a forecast."""
 
 from __future__ import annotations
 
@@ -99,3 +99,33 @@ class Situation:
         bearing = math.remainder(bearing, 2.0 * math.pi)
         range_, altitude = orbit.errors_at(x, y, z)
         return np.array([range_, bearing, altitude, path_angle, airspeed - orbit.speed])
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Target and drift at the stages 0..N of a plan.
+
+    Attributes:
+        target: Position in ``map``, shape (N + 1, 3), in [m].
+        drift: c, shape (N + 1, 3), in [m/s].
+        drift_rate: c', shape (N + 1, 3), in [m/s^2].
+        gust_walk: Intensity of level gusts in [m^2/s^3]; infinite where nothing is known of them.
+    """
+
+    target: NDArray[np.float64]
+    drift: NDArray[np.float64]
+    drift_rate: NDArray[np.float64]
+    gust_walk: float = 0.0
+
+
+def steady_forecast(situation: Situation, stages: int) -> Forecast:
+    """Present drift and target throughout.
+
+    Args:
+        situation: Present target and drift.
+        stages: N.
+    """
+    ahead = (stages + 1, 1)
+    return Forecast(
+        np.tile(situation.target, ahead), np.tile(situation.drift, ahead), np.zeros((stages + 1, 3))
+    )

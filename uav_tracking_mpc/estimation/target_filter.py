@@ -38,12 +38,12 @@ from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
 from uav_tracking_mpc.estimation.singer_motion import bridged
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
 from uav_tracking_mpc.estimation.target_track import LEVEL, Motion, TargetTrack
-from uav_tracking_mpc.estimation.turn_prediction import TurnPrediction
+from uav_tracking_mpc.estimation.turn_prediction import REWIND, TURN
+from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
 RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be fast, not noisy
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
-REWIND = 1.0  # s before the newest position for which an estimate is given
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
 
@@ -84,7 +84,7 @@ class TargetFilter:
 
     def __init__(self, noise: float, agility: float, speed: float = 5.0) -> None:
         self._told, self._agility, self._speed = noise, agility, speed
-        self._turn = TurnPrediction()
+        self._turn = BufferedFunction(TURN)
         self.reset()
 
     def tune(self, noise: float, agility: float) -> None:
@@ -226,9 +226,7 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        positions, velocities, accelerations = self.ahead(np.array([time]))
-        deviation = self.position_std(time)
-        return TargetEstimate(positions[0], velocities[0], accelerations[0], deviation)
+        return TargetEstimate(*self.motion(time), self.position_std(time))
 
     def position_std(self, time: float) -> float:
         """Standard deviation of the position on the worse level axis in [m].
@@ -242,29 +240,21 @@ class TargetFilter:
         track = self.track
         return track.position_std(min(max(time - track.time, 0.0), FORGOTTEN))
 
-    def ahead(
-        self, times: ArrayLike
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Positions [m], velocities [m/s] and accelerations [m/s^2] over a horizon.
+    def motion(self, time: float) -> NDArray[np.float64]:
+        """Position [m], velocity [m/s] and acceleration [m/s^2], rows of shape (3, 3).
 
         Args:
-            times: When, shape (n,), ascending, the first being now, in [s]. If the target has not
-                been seen for a while the velocity of now is faded, and held over the horizon.
-
-        Returns:
-            Three arrays of shape (n, 3).
+            time: In [s]. The velocity of a target that has not been seen for a while has faded.
 
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        track = self.track
-        ages = np.asarray(times, dtype=float) - track.time
-        travelled, left = self.bridge(float(ages[0]) + track.time)
-        leads = np.maximum(travelled + left * (ages - ages[0]), -REWIND)
-        positions, velocities, accelerations = self._turn(
-            track.state, track.variance(2), track.turn_rate, leads
-        )
-        return positions, left * velocities, left * left * accelerations
+        track, (travelled, left) = self.track, self.bridge(time)
+        motion, variance, turn_rate, lead = self._turn.arguments
+        motion[:], variance[0], turn_rate[0] = track.state.flat, track.variance(2), track.turn_rate
+        lead[0] = max(travelled, -REWIND)
+        self._turn.evaluate()
+        return self._turn.results[0].reshape(3, 3) * [[1.0], [left], [left * left]]
 
     def bridge(self, time: float) -> tuple[float, float]:
         """See :func:`bridged`, from the time of the track on.

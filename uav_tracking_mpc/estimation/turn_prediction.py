@@ -31,48 +31,11 @@ it.
 from __future__ import annotations
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
-
-from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 TURN_RATE_MAX = 1.0  # rad/s
 SPEED_TIME = 2.0  # s, tau: vehicles change their speed for a few seconds
+REWIND = 1.0  # s before the newest position for which a track tells where the target was
 STRAIGHT = 1e-7  # rad/s: a slower turn cannot be told from a straight line
-
-
-class TurnPrediction:
-    """Position, velocity and acceleration ahead of now."""
-
-    def __init__(self) -> None:
-        self._turn = BufferedFunction(TURN)
-
-    def __call__(
-        self,
-        state: NDArray[np.float64],
-        variance: float,
-        turn_rate: float,
-        leads: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        """At times ahead.
-
-        Args:
-            state: Position, velocity, acceleration now, rows of shape (3, 3).
-            variance: Of the acceleration on each axis in [m^2/s^4].
-            turn_rate: omega in [rad/s].
-            leads: Times ahead, shape (n,), in [s].
-
-        Returns:
-            Shape (3, n, 3): positions, velocities, accelerations.
-        """
-        motion, uncertain, rate, lead = self._turn.arguments
-        motion[:], uncertain[0], rate[0] = state.reshape(-1), variance, turn_rate
-        rows = np.empty((len(leads), 9))
-        for row, ahead in zip(rows, leads.tolist(), strict=True):
-            lead[0] = ahead
-            self._turn.evaluate()
-            row[:] = self._turn.results[0]
-        return rows.reshape(-1, 3, 3).swapaxes(0, 1)
 
 
 def _turn() -> ca.Function:

@@ -73,9 +73,12 @@ ALPHA, BETA, SIZE = 14, 15, 16  # -, index of both, and how many states
 STATE = Layout(position=3, wind=3, gust=3, bias=3, trend=2, alpha=1, beta=1)  # the same by names
 # What one filter knows: air velocity before, its average, turn rate of that, the state
 # (p, w, g, b, t, alpha, beta), and the upper triangle of its covariance by columns.
-LANE = Layout(air=3, steady=3, turn_rate=1, state=SIZE, triangle=SIZE * (SIZE + 1) // 2)
 _ROWS, _COLUMNS = (index.T[np.tril_indices(SIZE)] for index in np.indices((SIZE, SIZE)))
 DIAGONAL = np.flatnonzero(_ROWS == _COLUMNS)
+_PRIOR = np.repeat([POSITION_NOISE, WIND, GUST, GROUND_BIAS, 0.2 * TREND, BIAS], [3, 3, 3, 3, 2, 2])
+LANE = Layout(
+    air=3, steady=3, turn_rate=1, state=SIZE, triangle=np.diag(_PRIOR**2)[_ROWS, _COLUMNS]
+)
 _OF_POSITION = np.flatnonzero(P.stop > _ROWS)
 # Of the wind triangle, level and vertical, and of the position.
 METERS = NoiseMeters((2, 1), (VELOCITY_NOISE, VELOCITY_NOISE), (GUST_WALK, GUST_WALK))
@@ -94,17 +97,6 @@ QUICK = Layout(slow=3, averaged=3, means=6)
 # What positions alone tell of the ground velocity: up to which frequency, and how exactly
 FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
 FOLLOWER = Layout(place=3, velocity=3)
-
-
-def begin_lane(lane: SimpleNamespace) -> None:
-    """Write what a filter knows before anything is measured.
-
-    Args:
-        lane: Views by :data:`LANE`, all 0.
-    """
-    deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
-    prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, BIAS, BIAS]
-    lane.triangle[DIAGONAL] = np.square(prior)
 
 
 def begin_position(

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import Response
-from uav_tracking_mpc.estimation.forecast import Forecast
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Forecast, Situation
 from uav_tracking_mpc.estimation.wind_filter import GUST_WALK
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightProblem, part_of
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of

@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import Response
-from uav_tracking_mpc.estimation.forecast import Forecast
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Forecast, Situation
 from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.compiled_method import MachineCode

@@ -27,8 +27,7 @@ from uav_tracking_mpc.dynamics.relative import (
     tracking_error,
 )
 from uav_tracking_mpc.dynamics.vehicle import Response
-from uav_tracking_mpc.estimation.forecast import Forecast
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Forecast, Situation
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet, quadratic_problem
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed

@@ -42,9 +42,8 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.control.guidance import compile_flight, formulation_of, law_about, law_of
 from uav_tracking_mpc.dynamics.orbit import Orbit, orbit_motion
 from uav_tracking_mpc.dynamics.vehicle import Response, followed
-from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.navigator import LONGEST_SUBSTEP, ROUNDING
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Situation, steady_forecast
 from uav_tracking_mpc.margins.loop_margins import UNSTABLE, LoopMargins, loop_margins
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import TrackingParameters

@@ -28,8 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.guidance import nearest_direction
-from uav_tracking_mpc.estimation.forecast import steady_forecast
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.situation import Situation, steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.mpc.solver import Guess, solutions
 from uav_tracking_mpc.report.metrics import microseconds

@@ -28,20 +28,23 @@ class Layout:
     """Parts of a vector that follow each other.
 
     Args:
-        parts: By its name how many numbers a part has, or of which parts it consists itself.
+        parts: By its name how many numbers a part has, the numbers that it begins with where they
+            are not all 0, or of which parts it consists itself.
 
     Attributes:
         size: How many numbers they have together.
+        begin: The numbers that they begin with, shape (size,).
     """
 
-    def __init__(self, **parts: int | Layout) -> None:
-        self._slices: dict[str, slice] = {}
+    def __init__(self, **parts: int | ArrayLike | Layout) -> None:
         self._inner = {name: part for name, part in parts.items() if isinstance(part, Layout)}
+        begins = [_begin(part) for part in parts.values()]
+        self._slices: dict[str, slice] = {}
         self.size = 0
-        for name, part in parts.items():
-            size = part if isinstance(part, int) else part.size
-            self._slices[name] = slice(self.size, self.size + size)
-            self.size += size
+        for name, begin in zip(parts, begins, strict=True):
+            self._slices[name] = slice(self.size, self.size + len(begin))
+            self.size += len(begin)
+        self.begin = np.concatenate(begins)
 
     def parts(self, vector: Any) -> SimpleNamespace:
         """The parts by name: views of an array, or pieces of a column of symbols.
@@ -90,3 +93,9 @@ class Layout:
         inner = {name: part.joined(getattr(parts, name)) for name, part in self._inner.items()}
         pieces = vars(parts) | inner
         return ca.densify(ca.vertcat(*[pieces[name] for name in self._slices]))
+
+
+def _begin(part: int | ArrayLike | Layout) -> NDArray[np.float64]:
+    if isinstance(part, Layout):
+        return part.begin
+    return np.zeros(part) if isinstance(part, int) else np.asarray(part, dtype=float)
