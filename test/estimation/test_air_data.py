@@ -22,8 +22,8 @@ import pytest
 from uav_tracking_mpc.estimation.air_data import STUCK_CLIMB, AirData
 from uav_tracking_mpc.estimation.air_estimate import FOUND
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
-from uav_tracking_mpc.estimation.sensor_check import CODE, STALE
-from uav_tracking_mpc.estimation.sensor_health import OFF, STUCK
+from uav_tracking_mpc.estimation.motion_check import STALE
+from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, STUCK
 
 
 def data(**known):

@@ -21,9 +21,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from uav_tracking_mpc.estimation.air_check import WIND_KNOWN
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, SensorNoise
-from uav_tracking_mpc.estimation.sensor_check import WIND_KNOWN
 from uav_tracking_mpc.estimation.sensor_health import POSITION, USED
 from uav_tracking_mpc.estimation.wind_filter import DIAGONAL, QUICK, SIZE, G, P, W, lasting_gust
 

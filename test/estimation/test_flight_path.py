@@ -47,7 +47,7 @@ def flown(direction, seconds, turn_rate, bank_rate, swing=lambda t: 0.0):
     for k in range(round(seconds / STEP)):
         time = k * STEP
         true = turn_rate * time
-        direction.see(time, true + swing(time), bank_rate)
+        direction.see(STEP if k else math.inf, true + swing(time), bank_rate)
         worst = max(worst, abs(direction.heading - true))
         worst_rate = max(worst_rate, abs(direction.rate - turn_rate))
     return true, worst, worst_rate
@@ -97,7 +97,7 @@ def test_in_a_quick_roll_the_bank_counts_in_full():
     flown(direction, 60.0, 0.2 * SLIPPING, 0.2)
     before, bank_rates = direction.rate, (0.3, 0.1) * 5
     for k, bank_rate in enumerate(bank_rates):
-        direction.see(60.0 + STEP * k, 0.2 * SLIPPING * (60.0 + STEP * k), bank_rate)
+        direction.see(STEP, 0.2 * SLIPPING * (60.0 + STEP * k), bank_rate)
         assert direction.rate - before == pytest.approx(bank_rate - 0.2, abs=0.005)
 
 

@@ -53,10 +53,10 @@ def test_the_drift_is_the_wind_triangle_less_the_targets_velocity():
     navigator = seen(FLIGHT, run=run)
     air = 22.0 * np.array([np.cos(0.05) * np.cos(2.0), np.cos(0.05) * np.sin(2.0), np.sin(0.05)])
     now = estimated(navigator, measured(6.0, air + wind, (0.2, -0.1))).present
-    estimate = navigator.target.predict(6.0)
-    np.testing.assert_allclose(now.drift, wind - estimate.velocity, atol=1e-12)
+    _, velocity, acceleration = navigator.target.motion(6.0)
+    np.testing.assert_allclose(now.drift, wind - velocity, atol=1e-12)
     np.testing.assert_allclose(now.drift, wind - run, atol=0.05)
-    np.testing.assert_array_equal(now.drift_rate, -estimate.acceleration)
+    np.testing.assert_array_equal(now.drift_rate, -acceleration)
     np.testing.assert_allclose(now.target, [5.0 + 18.0, -3.0 + 12.0, 2.0], atol=0.05)
     np.testing.assert_array_equal(now.vehicle, VEHICLE)
     np.testing.assert_array_equal(now.rates, [0.2, -0.1, 0.0])  # nothing has been commanded
@@ -194,9 +194,9 @@ def test_without_delay_the_situation_is_as_measured():
 
 def test_a_change_keeps_what_is_known_of_the_target():
     navigator = seen(FLIGHT, run=(3.0, 0.0, 0.0))
-    before = navigator.target.predict(6.1)
+    before = navigator.target.motion(6.1)
     navigator.change(replace(FLIGHT, target_noise=2.0, target_agility=1.0))
-    np.testing.assert_array_equal(navigator.target.predict(6.1).position, before.position)
+    np.testing.assert_array_equal(navigator.target.motion(6.1), before)
 
 
 @pytest.mark.parametrize(("height", "said"), [(-90.0, True), (-10.0, False), (120.0, False)])

@@ -38,7 +38,7 @@ def ahead(travelled=0.3, left=1.0, faded=FADED, turn_rate=0.2):
 def test_target_wind_gust_and_what_fades_add_up(travelled, left, turn_rate):
     target, drift, drift_rate = ahead(travelled, left, turn_rate=turn_rate)
     leads = travelled + left * AHEAD
-    motions = [np.reshape(TURN(STATE.ravel(), 0.04, turn_rate, lead), (3, 3)) for lead in leads]
+    motions = [TURN(STATE.ravel(), 0.04, turn_rate, lead).full().reshape(3, 3) for lead in leads]
     p, v, a = np.swapaxes(motions, 0, 1)
     share = np.exp(-AHEAD / FADE_TIME)[:, np.newaxis]
     gust = np.exp(-AHEAD[:, np.newaxis] / TIMES) * GUST
@@ -50,7 +50,7 @@ def test_target_wind_gust_and_what_fades_add_up(travelled, left, turn_rate):
 
 def test_a_track_is_not_followed_further_back_than_it_reaches():
     back = ahead(travelled=-5.0, left=0.0, faded=np.zeros(6))
-    least = np.ravel(TURN(STATE.ravel(), 0.04, 0.2, -REWIND)[:3])
+    least = TURN(STATE.ravel(), 0.04, 0.2, -REWIND).full()[:3].ravel()
     np.testing.assert_allclose(back[0], np.tile(least, (len(AHEAD), 1)), atol=1e-9)
 
 

@@ -26,7 +26,9 @@ LEADS = np.linspace(0.0, 20.0, 41)
 
 def ahead(state, variance, turn_rate, leads):
     """Positions, velocities and accelerations."""
-    motions = [np.reshape(TURN(state.ravel(), variance, turn_rate, lead), (3, 3)) for lead in leads]
+    motions = [
+        TURN(state.ravel(), variance, turn_rate, lead).full().reshape(3, 3) for lead in leads
+    ]
     return np.swapaxes(motions, 0, 1)
 
 

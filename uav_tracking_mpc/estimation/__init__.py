@@ -20,8 +20,8 @@
 ``air_data``             the airspeed that belongs to a measurement
 ``flight_path``          path through the air, from the attitude of the body
 ``air_estimate``         aircraft and air: three filters, two of which judge a sensor each
-``sensor_check``         which of position, ground velocity, airspeed and heading are believed
-``compass_check``        whether a compass turns as the gyros do
+``motion_check``         which positions and ground velocities are believed
+``air_check``            which airspeeds and headings are believed
 ``sensor_health``        which sensors are used, and why one is not
 ``rate_aided``           angles and speeds, from themselves and rates whose biases are taken out
 ``wind_filter``          mean wind, gusts and sensor biases, from positions and velocities

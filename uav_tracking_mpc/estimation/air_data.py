@@ -30,8 +30,8 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
-from uav_tracking_mpc.estimation.sensor_check import CODE, STALE
-from uav_tracking_mpc.estimation.sensor_health import OFF, SILENT, STUCK, USED
+from uav_tracking_mpc.estimation.motion_check import STALE
+from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes

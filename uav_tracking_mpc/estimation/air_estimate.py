@@ -34,17 +34,18 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.air import gust_scales
 from uav_tracking_mpc.estimation import (
-    compass_check,
+    air_check,
+    motion_check,
     noise_meter,
     rate_aided,
-    sensor_check,
     wind_filter,
 )
-from uav_tracking_mpc.estimation.compass_check import COMPASS_CHECK
+from uav_tracking_mpc.estimation.air_check import AIR_CHECK, COMPASS_CHECK
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.motion_check import POSITION_CHECK, VELOCITY_CHECK
 from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
-from uav_tracking_mpc.estimation.sensor_check import AIR_CHECK, CODE, POSITION_CHECK, VELOCITY_CHECK
 from uav_tracking_mpc.estimation.sensor_health import (
+    CODE,
     HEADING,
     JUMPED,
     OFF,
@@ -257,16 +258,16 @@ def _step() -> ca.Function:
     deviation = ca.sqrt(ca.fmax(variance + ca.mmax(seen.velocity_noise) ** 2, 0.0))
     expected = main.air + state[W] + state[G] + state[B]
     position_noise = ca.fmax(ca.sqrt(places.held), ca.mmax(seen.position_noise))
-    fresh = sensor_check.is_fresh(place, seen.position, seen.placed)
-    velocity, odd, contrary, changed = sensor_check.velocity_checked(
+    fresh = motion_check.is_fresh(place, seen.position, seen.placed)
+    velocity, odd, contrary, changed = motion_check.velocity_checked(
         known.velocity, dt, seen.position, fresh, seen.ground, expected, deviation, position_noise
     )
     contrary = ca.logic_or(contrary, seen.stuck[1])
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
-    refused = sensors.reasons[sensor_check.AIRSPEED] > 0.0
-    reason = sensors.reasons[sensor_check.HEADING]
+    refused = sensors.reasons[air_check.AIRSPEED] > 0.0
+    reason = sensors.reasons[air_check.HEADING]
     reason = ca.if_else(seen.stuck[0], CODE[USED], reason)  # whatever else it was
-    sensors.reasons[sensor_check.HEADING] = sensor_check.repeated(reason, seen.stuck[0])
+    sensors.reasons[air_check.HEADING] = air_check.repeated(reason, seen.stuck[0])
     no_airspeed_used = ca.logic_or(ca.logic_not(seen.measured), refused)
     turning = seen.rates[0] * ca.vertcat(-main.air[1], main.air[0], 0.0)
     follower, by_positions = wind_filter.followed(known.follower, dt, seen.position, fresh, turning)
@@ -276,7 +277,7 @@ def _step() -> ca.Function:
 
     # Airspeed and heading
     turn_told = ca.logic_not(seen.turn_told == 0.0)
-    compass, strayed, snapped = compass_check.compass_checked(
+    compass, strayed, snapped = air_check.compass_checked(
         known.compass,
         dt,
         seen.compass,
@@ -292,7 +293,7 @@ def _step() -> ca.Function:
     level_variances = ca.vertcat(*[ca.mmax(each) for each in level_wind])
     wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
     blind = lanes[NO_AIRSPEED].state
-    air, out, turned, along = sensor_check.air_checked(
+    air, out, turned, along = air_check.air_checked(
         sensors,
         dt,
         heading,
@@ -319,7 +320,7 @@ def _step() -> ca.Function:
     scatter = wind_filter.PLACES.scatter(places, seen.position - carried)
     scatter *= fresh * (ca.mmax(seen.position_noise) == 0.0)
     deviation = ca.sqrt(ca.fmax(position_noise**2, scatter))
-    placed, code, position, seen_axes, moved, scattered = sensor_check.position_checked(
+    placed, code, position, seen_axes, moved, scattered = motion_check.position_checked(
         place, dt, seen.position, seen.placed, carried, used_ground[2], deviation
     )
     placed.faded += ca.if_else(moved, state[P] - position, 0.0)
@@ -338,14 +339,14 @@ def _step() -> ca.Function:
     # A turn that is quicker than its bank: the airspeed reads too much, or the aircraft slips. That
     # is known before the wind is, which then tells which of them, so alpha becomes uncertain.
     excess = (1.0 - TURN_SLIP) * airspeed * (1.0 - state[ALPHA]) - seen.by_turn
-    compared = air.weight[sensor_check.AIRSPEED] >= sensor_check.COMPARED
+    compared = air.weight[air_check.AIRSPEED] >= air_check.COMPARED
     unused = ca.logic_or(no_airspeed_used, ca.logic_or(out[0], compared))
     excess = ca.if_else(unused, 0.0, ca.fmax(excess, 0.0))
     unexplained = ca.fmax(air.unexplained, excess)
 
     # The filters of the wind. What is known of it in one direction tells no heading yet: a filter
     # that went by one would drift to and fro along a circle of winds, all of the same airspeed.
-    turned = ca.if_else(wind_deviations[1] > sensor_check.WIND_IN_GUSTS, heading, turned)
+    turned = ca.if_else(wind_deviations[1] > air_check.WIND_IN_GUSTS, heading, turned)
     ahead = []
     walks = wind_filter.METERS.walks(meters)
     for which, lane in enumerate(lanes):
@@ -416,10 +417,10 @@ def _step() -> ca.Function:
         states=ca.vertcat(
             air.reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])
         ),
-        snapped=ca.fabs(snapped) > compass_check.BACK * compass_check.SNAP,
+        snapped=ca.fabs(snapped) > air_check.BACK * air_check.SNAP,
         changed=changed,
         without=blind.state[W],
-        known=ca.mmax(blind.triangle[LEVEL_WIND]) <= sensor_check.WIND_KNOWN**2,
+        known=ca.mmax(blind.triangle[LEVEL_WIND]) <= air_check.WIND_KNOWN**2,
         deviation=ca.sqrt(ca.fmax(unknown, 0.0)),
         walk=walks[0],
         doubts=air.doubts,

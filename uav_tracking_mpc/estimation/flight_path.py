@@ -111,19 +111,17 @@ class FlightDirection:
     def __init__(self) -> None:
         self.heading = self.rate = self.surplus = self.share = 0.0
         self._bank_rate = self._steady = self._rest = 0.0  # r_b, r_s, b
-        self._time = -math.inf
 
-    def see(self, time: float, nose: float | None, bank_rate: float) -> None:
+    def see(self, step: float, nose: float | None, bank_rate: float) -> None:
         """Take in an attitude.
 
         Args:
-            time: Of the attitude in [s].
+            step: Since the one before in [s].
             nose: Direction that the nose tells, counter-clockwise from East, in [rad]; None where
                 it tells none: the bank alone then counts.
             bank_rate: r_b in [rad/s].
         """
-        step, before = time - self._time, self._bank_rate
-        self._time, self._bank_rate = time, bank_rate
+        before, self._bank_rate = self._bank_rate, bank_rate
         if 0.0 < step <= LONGEST_STEP:
             self.heading += step * (0.5 * (before + bank_rate) + self.surplus)
             swing = 0.0 if nose is None else math.remainder(nose - self.heading, 2.0 * math.pi)
@@ -323,8 +321,8 @@ class FlightPath:
             return measurement
         if max(abs(bank), abs(pitch)) > STEEPEST:
             return measurement
-        time, direction, climb = measurement.stamp, self._direction, self._followed
-        step, self._time = time - self._time, time
+        direction, climb = self._direction, self._followed
+        step, self._time = measurement.stamp - self._time, measurement.stamp
         ground_velocity = measurement.ground_velocity.copy()
         up, height = float(ground_velocity[2]), float(measurement.position[2])
         noise = measurement.noise
@@ -360,7 +358,7 @@ class FlightPath:
         # A heading that is wrong tells of the turn all the same, unless it turns the other way.
         against = self._by_bank * (self._by_bank - 2.0 * self._by_nose) > 0.0
         no_turn = heading_stuck or (heading_failed and against)
-        direction.see(time, None if no_turn else nose, by_bank)
+        direction.see(step, None if no_turn else nose, by_bank)
         if no_turn and not heading_stuck:
             direction.heading = nose  # for others to judge whether it is right again
         self._nose = direction.heading if heading_stuck else nose

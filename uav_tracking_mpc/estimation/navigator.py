@@ -166,13 +166,11 @@ class Navigator:
         The standard deviation of what stands in for one that is not used, else 0; and by how much
         one that is used may be too high, and too low.
         """
-        sure = 0.0, 0.0
-        if not self._estimating:
-            return 0.0, sure
+        found = self.air_estimate.found
         if self.airspeed_known:
-            high, low = self.air_estimate.found.doubts.tolist()
+            high, low = found.doubts.tolist()
             return 0.0, (high, low)
-        return float(self.air_estimate.found.deviation[0]), sure
+        return float(found.deviation[0]), (0.0, 0.0)
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""

@@ -106,30 +106,24 @@ class NoiseMeters:
         held = ca.if_else(ca.logic_and(told > 0.0, early), told, known.held)
         weight = ca.fmin(known.weight + counted * short_step, self._memory)
         share = counted * short_step / weight
-        short_time = known.short_time + share * (short_step - known.short_time)
-        long_time = known.long_time + share * (long_step - known.long_time)
-        short = known.short + share * (
-            self._mean_squares(sample - latest, known.short) - known.short
-        )
-        long = known.long + share * (self._mean_squares(sample - oldest, known.long) - known.long)
-        average += share * (told - average)
-        walk = _walks(short, long, long_time - short_time)
-        measured = 0.5 * ca.fmax(short - walk * short_time, 0.0)
-        late = ca.if_else(weight >= EARLY, measured * told / average, held)
-        variance = ca.if_else(counted, ca.if_else(told > 0.0, late, measured), held)
-        return SimpleNamespace(
+        short = self._mean_squares(sample - latest, known.short)
+        long = self._mean_squares(sample - oldest, known.long)
+        after = SimpleNamespace(
             count=ca.fmin(count + 1.0, SAMPLES),
             weight=weight,
-            short_time=short_time,
-            long_time=long_time,
-            short=short,
-            long=long,
-            average=average,
+            short_time=known.short_time + share * (short_step - known.short_time),
+            long_time=known.long_time + share * (long_step - known.long_time),
+            short=known.short + share * (short - known.short),
+            long=known.long + share * (long - known.long),
+            average=average + share * (told - average),
             before=told,
-            held=variance,
             ages=ca.vertcat(0.0, ages[: SAMPLES - 1]),
             samples=ca.vertcat(sample, known.samples[: -self._width]),
         )
+        measured = 0.5 * ca.fmax(after.short - self.walks(after) * after.short_time, 0.0)
+        late = ca.if_else(weight >= EARLY, measured * told / after.average, held)
+        after.held = ca.if_else(counted, ca.if_else(told > 0.0, late, measured), held)
+        return after
 
     def scatter(self, known: SimpleNamespace, sample: ca.SX) -> ca.SX:
         """Variance in the square of the unit [SI] that a single signal shows at first; 0 later.
@@ -147,7 +141,7 @@ class NoiseMeters:
         Args:
             known: By :attr:`layout`.
         """
-        return _walks(known.short, known.long, known.long_time - known.short_time)
+        return ca.fmax(known.long - known.short, 0.0) / (known.long_time - known.short_time)
 
     def _mean_squares(self, difference: ca.SX, usual: ca.SX) -> ca.SX:
         """Of the components of each signal, clipped where they may jump."""
@@ -155,7 +149,3 @@ class NoiseMeters:
         squares = ca.vertcat(*[ca.sumsqr(piece) / piece.numel() for piece in pieces])
         most = CLIPPED * ca.fmax(usual, self._short)
         return ca.fmin(squares, most) if self._jumping else squares
-
-
-def _walks(short: ca.SX, long: ca.SX, apart: ca.SX) -> ca.SX:
-    return ca.fmax(long - short, 0.0) / apart

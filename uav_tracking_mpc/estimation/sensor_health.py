@@ -25,6 +25,7 @@ SENSORS = AIRSPEED, HEADING, POSITION, VELOCITY = (
     "ground velocity",
 )
 STATES = USED, SILENT, STUCK, JUMPED, OFF = "used", "silent", "stuck", "jumped", "off"
+CODE = {state: float(number) for number, state in enumerate(STATES)}  # where a number is needed
 SAID = {
     USED: "agrees with the others: it is used again",
     SILENT: "is not measured",

@@ -28,7 +28,6 @@ are seen to differ much.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,23 +45,6 @@ RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be 
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
-
-
-@dataclass(frozen=True)
-class TargetEstimate:
-    """What is known of the target at one time.
-
-    Attributes:
-        position: In ``map``, shape (3,), in [m].
-        velocity: Shape (3,), in [m/s].
-        acceleration: Shape (3,), in [m/s^2].
-        position_std: Standard deviation of the position on the worse level axis in [m].
-    """
-
-    position: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    acceleration: NDArray[np.float64]
-    position_std: float
 
 
 class TargetFilter:
@@ -217,17 +199,6 @@ class TargetFilter:
             track.see_velocity(*motion, GATE)
         return track
 
-    def predict(self, time: float) -> TargetEstimate:
-        """Estimate at a time: on from the newest position, or up to a second back from it.
-
-        Args:
-            time: In [s].
-
-        Raises:
-            ValueError: Nothing has been measured yet.
-        """
-        return TargetEstimate(*self.motion(time), self.position_std(time))
-
     def position_std(self, time: float) -> float:
         """Standard deviation of the position on the worse level axis in [m].
 
@@ -241,10 +212,11 @@ class TargetFilter:
         return track.position_std(min(max(time - track.time, 0.0), FORGOTTEN))
 
     def motion(self, time: float) -> NDArray[np.float64]:
-        """Position [m], velocity [m/s] and acceleration [m/s^2], rows of shape (3, 3).
+        """Position [m], velocity [m/s], acceleration [m/s^2], in ``map``, rows of shape (3, 3).
 
         Args:
-            time: In [s]. The velocity of a target that has not been seen for a while has faded.
+            time: In [s]: on from the newest position, where the velocity fades in the end, or up to
+                a second back from it.
 
         Raises:
             ValueError: Nothing has been measured yet.

@@ -167,18 +167,14 @@ class SimulatedSights:
         loop, known = self._loop, self._loop.controller.navigator.target
         truth = loop.target.position(now)
         if not loop.killed and known.time is not None:
-            estimate = known.predict(now)
+            position, velocity, _ = known.motion(now)
             if not 0.0 <= now - self._forecast_at < FORECAST_PERIOD:
-                ahead = [known.predict(now + later) for later in FORECAST]
-                self._forecast = np.array([[*each.position, each.position_std] for each in ahead])
+                ahead = [now + later for later in FORECAST]
+                rows = [[*known.motion(time)[0], known.position_std(time)] for time in ahead]
+                self._forecast = np.array(rows)
                 self._forecast_at = now
             return TargetSight(
-                estimate.position,
-                estimate.velocity,
-                estimate.position_std,
-                loop.sighting,
-                truth,
-                self._forecast,
+                position, velocity, known.position_std(now), loop.sighting, truth, self._forecast
             )
         if loop.sighting is None:
             return None
