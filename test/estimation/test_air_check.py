@@ -44,7 +44,7 @@ class AirCheck(Evaluated):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
             seen = heading, reading, present, level, air, deviation, settled, moved
-            seen = *seen, 1.0, rates[0], rates[1]
+            seen = *seen, 1.0, rates[0], rates[1], 0.0
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 

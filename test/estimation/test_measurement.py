@@ -12,10 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import math
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
+from uav_tracking_mpc.estimation.measurement import (
+    NOISE_LIMITS,
+    UNKNOWN,
+    Measurement,
+    SensorNoise,
+    axes_noise,
+    scalar_noise,
+)
 
 
 def test_the_state_has_the_airspeed_that_it_is_given():
@@ -64,3 +75,28 @@ def test_what_is_no_noise_is_refused(values, words):
 def test_an_airspeed_or_a_bank_that_is_no_number_is_not_measured():
     measured = Measurement(0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, airspeed=np.nan, bank=np.nan)
     assert (measured.airspeed, measured.bank) == (None, None)
+
+
+def test_variances_become_deviations_and_an_axis_without_one_takes_the_mean():
+    assert axes_noise("position", [1.0, 4.0, 9.0]) == (1.0, 2.0, 3.0)
+    assert axes_noise("position", [1.0, 3.0, 0.0]) == pytest.approx((1.0, 3.0**0.5, 2.0**0.5))
+    assert scalar_noise("heading", 0.01) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("wrong", [-1.0, math.nan, math.inf, 1e12])
+def test_what_makes_no_sense_is_unknown(wrong):
+    for axis in range(3):
+        variances = [1.0, 1.0, 1.0]
+        variances[axis] = wrong
+        assert axes_noise("position", variances) == UNKNOWN
+    assert scalar_noise("heading", wrong) == 0.0
+    assert axes_noise("velocity", [0.0] * 3) == UNKNOWN
+
+
+@given(st.lists(st.floats(), min_size=3, max_size=3))
+def test_whatever_is_told_a_measurement_may_hold_it(variances):
+    heading = scalar_noise("heading", variances[0])
+    told = SensorNoise(
+        axes_noise("position", variances), axes_noise("velocity", variances), heading
+    )
+    assert max(told.position) <= NOISE_LIMITS["position"]

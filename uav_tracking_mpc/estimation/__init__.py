@@ -15,7 +15,7 @@
 """What is known of aircraft, air and target.
 
 =======================  =======================================================================
-``measurement``          what is measured of the aircraft at one time
+``measurement``          what is measured of the aircraft at one time, and told of its noise
 ``state_gate``           which measurements are believed
 ``air_data``             the airspeed that belongs to a measurement
 ``flight_path``          path through the air, from the attitude of the body
@@ -38,6 +38,6 @@
 ``channel_response``     what is known of them
 ``outlook``              target and drift from now on, from what is known of both
 ``navigator``            measurements in, situations and forecast out
-``situation``            aircraft, target and the drift between them, at one time and over a horizon
+``situation``            aircraft, target and the drift between them, now and over a horizon
 =======================  =======================================================================
 """

@@ -114,6 +114,7 @@ def air_checked(
     turn_told: ca.SX,
     strayed: ca.SX,
     acceleration: ca.SX,
+    stuck: ca.SX,
 ) -> tuple[SimpleNamespace, list[ca.SX], ca.SX, ca.SX]:
     """What is known after airspeed and heading, which of them is left out, and what the wind tells.
 
@@ -136,6 +137,7 @@ def air_checked(
         turn_told: Whether anything tells how the heading turns.
         strayed: What the compass has turned by otherwise than the gyros measure, in [rad].
         acceleration: v' as commanded and flown in [m/s^2].
+        stuck: Whether the heading is stuck.
     """
     known = SimpleNamespace(**vars(known))
     gained = level * (reading - known.reading - elapsed * acceleration)
@@ -145,6 +147,7 @@ def air_checked(
     reason = ca.if_else(was_silent, CODE[USED], reason)
     weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
     reason = _stuck(known, elapsed, reason, reading, along, acceleration)
+    is_heading = repeated(ca.if_else(stuck, CODE[USED], is_heading), stuck)  # whatever else it was
     reasons = ca.vertcat(ca.if_else(present, reason, CODE[SILENT]), is_heading)
 
     residuals = []

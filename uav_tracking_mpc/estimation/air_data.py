@@ -31,7 +31,15 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
 from uav_tracking_mpc.estimation.motion_check import STALE
-from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
+from uav_tracking_mpc.estimation.sensor_health import (
+    CODE,
+    HEADING,
+    OFF,
+    SILENT,
+    STUCK,
+    USED,
+    VELOCITY,
+)
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
@@ -47,6 +55,9 @@ POSSIBLE = 0.75, 1.25
 # m/s, rad, rad, s: a heading counts from North to East if the aircraft flies at least so fast, for
 # so long, beside its heading by more than BESIDE, and beside the mirrored one by less than ALONG
 FLYING, BESIDE, ALONG, MIRRORED_FOR = 5.0, 1.0, 0.5, 3.0
+# That must change as the aircraft does; the climb is compared with the height, and with the pitch
+BANK, CLIMB, LEVEL = "bank", "climb", "level flight"
+READINGS = HEADING, VELOCITY, BANK, CLIMB, LEVEL
 
 
 class Repetition:
@@ -62,18 +73,13 @@ class Repetition:
         self.stuck = False
 
     def see(
-        self,
-        reading: object,
-        elapsed: float,
-        change: float,
-        most: float,
-        longest: float = STUCK_TIME,
+        self, elapsed: float, reading: object, change: float, most: float, longest: float
     ) -> None:
         """Take in a reading.
 
         Args:
-            reading: Anything that can be compared.
             elapsed: Since the one before in [s].
+            reading: Anything that can be compared.
             change: Of the aircraft since then.
             most: Such change that a reading may not show.
             longest: For how long it may stay the same all the same in [s].
@@ -126,8 +132,8 @@ class AirData:
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
         self.missing = self.awaited = self.impossible = False
         self._path.reset()
-        self._heading, self._velocity, self._climb, self._level = (Repetition() for _ in range(4))
-        self._bank, self._turn_rate = Repetition(), 0.0  # rad/s, of the nose
+        self._repeated = {name: Repetition() for name in READINGS}
+        self._turn_rate = 0.0  # rad/s, of the nose
         self._place, self._stays = (math.nan,) * 3, 0.0  # m, and for how long it is the same in [s]
         self.stuck, self.climb_state = (False, False), USED
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
@@ -173,9 +179,10 @@ class AirData:
             self._first = stamp if airspeed is None else -math.inf
         self.awaited = self.missing and stamp - self._first < self.timeout
         held = self.holds_altitude and not (self.missing or self._failed)
-        climb_stuck = self._climb.stuck or self._level.stuck
+        stuck = {name: reading.stuck for name, reading in self._repeated.items()}
+        climb_stuck = stuck[CLIMB] or stuck[LEVEL]
         plausible = self._plausible(measurement, airspeed)
-        attitude = replace(measurement, bank=None) if self._bank.stuck else measurement
+        attitude = replace(measurement, bank=None) if stuck[BANK] else measurement
         of_path = self._path.of(
             attitude,
             plausible,
@@ -184,7 +191,7 @@ class AirData:
             velocity_failed=self._velocity_failed,
             climb_stuck=climb_stuck,
             heading_failed=bool(self._found.states[1] or self._found.snapped[0]),
-            heading_stuck=self._heading.stuck,
+            heading_stuck=stuck[HEADING],
         )
         self.nose, self.by_turn, self.climb_state = None, math.inf, USED
         if of_path is not attitude:
@@ -193,7 +200,7 @@ class AirData:
             if climb_stuck or self._path.climb.failed:
                 self.climb_state = STUCK if climb_stuck else OFF
         climb_stuck = climb_stuck and self.nose is None
-        self.stuck = self._heading.stuck, self._velocity.stuck or climb_stuck
+        self.stuck = stuck[HEADING], stuck[VELOCITY] or climb_stuck
         if airspeed is not None:
             return of_path, of_path.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)
@@ -223,24 +230,28 @@ class AirData:
         """Whether heading and ground velocity change as the aircraft does."""
         velocity, place = measurement.ground_velocity.tolist(), tuple(measurement.position.tolist())
         turned = elapsed * measurement.turn_rate
-        self._heading.see(measurement.heading, elapsed, turned, STUCK_TURN)
         # Only a new position tells a velocity that is stuck from a receiver that is read seldom.
         repeats = place == self._place or not measurement.placed
         self._stays = repeats * (self._stays + elapsed)
         longest = STUCK_TIME
         if repeats:
             longest = STALE if self._stays > STALE else math.inf
-        self._velocity.see(velocity, elapsed, turned, STUCK_TURN, longest)
         told = measurement.axis is Axis.BODY and measurement.bank is not None
         rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
-        self._bank.see(measurement.bank, elapsed, told * rolled, STUCK_ROLL)
         missed = place[2] - self._place[2] - elapsed * velocity[2]
         missed = 0.0 if math.isnan(missed) else missed
         most = STUCK_CLIMB + NOISE_MULTIPLE * height_noise
-        self._climb.see(velocity[2], elapsed, missed, most, longest)
         # Where height and climb are stuck together, the pitch tells.
         by_pitch = elapsed * self._path.climb.missed
-        self._level.see(velocity[2], elapsed, by_pitch, STUCK_CLIMB, longest)
+        changes: dict[str, tuple[object, float, float, float]] = {
+            HEADING: (measurement.heading, turned, STUCK_TURN, STUCK_TIME),
+            BANK: (measurement.bank, told * rolled, STUCK_ROLL, STUCK_TIME),
+            VELOCITY: (velocity, turned, STUCK_TURN, longest),
+            CLIMB: (velocity[2], missed, most, longest),
+            LEVEL: (velocity[2], by_pitch, STUCK_CLIMB, longest),
+        }
+        for name, change in changes.items():
+            self._repeated[name].see(elapsed, *change)
         self._place = place
         self._compare_with_course(measurement.heading, velocity[0], velocity[1], elapsed)
 
@@ -252,7 +263,8 @@ class AirData:
         beside = abs(math.remainder(course - heading, math.tau))
         mirrored = abs(math.remainder(course + heading - 0.5 * math.pi, math.tau))
         looks = math.hypot(east, north) > FLYING and beside > BESIDE and mirrored < ALONG
-        sound = not (self._heading.stuck or self._velocity.stuck or self._velocity_failed)
+        stuck = self._repeated[HEADING].stuck or self._repeated[VELOCITY].stuck
+        sound = not (stuck or self._velocity_failed)
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
 
     @property
@@ -271,7 +283,7 @@ class AirData:
 
         While the bank is left out, what was learnt from it counts for nothing: 0.
         """
-        return 0.0 if self.nose is None else self._path.surplus
+        return 0.0 if self.nose is None else self._path.direction.surplus
 
     def _plausible(self, measurement: Measurement, airspeed: float | None) -> float:
         """Airspeed that fits the wind, in [m/s]."""
@@ -304,7 +316,10 @@ class AirData:
                 self._path.contradicted,
                 "the nose turns against the bank: the attitude is taken for the direction flown",
             ),
-            (self._bank.stuck, "the bank is stuck: the attitude is taken for the direction flown"),
+            (
+                self._repeated[BANK].stuck,
+                "the bank is stuck: the attitude is taken for the direction flown",
+            ),
             (
                 self.missing and not self.awaited and not wind_known,
                 "no airspeed is measured: the air is taken as still",

@@ -53,7 +53,6 @@ from uav_tracking_mpc.estimation.sensor_health import (
     SILENT,
     STATES,
     STUCK,
-    USED,
     SensorHealth,
 )
 from uav_tracking_mpc.estimation.wind_filter import (
@@ -135,7 +134,6 @@ class AirEstimate:
         """Forget the air and believe every sensor."""
         self._memory[:], self._step.results[1][:] = MEMORY.begin, 0.0
         self._begin_filters()
-        self._states = [USED] * len(self.health.states)
         self.health.reset()
 
     def _begin_filters(self) -> None:
@@ -209,9 +207,10 @@ class AirEstimate:
             elapsed = 0.0
             self._begin()
         self._time, self._seen.elapsed[0] = measurement.stamp, elapsed
+        before = self.found.states.copy()
         self._step.evaluate()
         self._memory[:] = self._step.results[0]
-        return self._taken()
+        return self._taken(before)
 
     def _begin(self) -> None:
         """Let position and motion begin anew, whatever was known of them."""
@@ -227,14 +226,14 @@ class AirEstimate:
         known.velocity.begin[:] = known.follower.place[:] = seen.position
         known.velocity.before[:] = known.follower.velocity[:] = known.ground[:] = seen.ground
 
-    def _taken(self) -> SimpleNamespace:
+    def _taken(self, before: NDArray[np.float64]) -> SimpleNamespace:
         """What has been found; a filter goes on from the one that no wrong sensor has come into."""
-        states = [STATES[int(code)] for code in self.found.states]
-        for state, before, lane in zip(states, self._states, LANES[1:], strict=False):
-            if state != before and state not in (USED, SILENT):
+        states = self.found.states
+        for state, earlier, lane in zip(states, before, LANES[1:], strict=False):
+            if state != earlier and state > CODE[SILENT]:
                 MEMORY.part("main", self._memory)[:] = MEMORY.part(lane, self._memory)
-        self._states = states
-        self.health.states.update(zip(SENSORS, states, strict=True))
+        for sensor, state in zip(SENSORS, states, strict=True):
+            self.health.states[sensor] = STATES[int(state)]
         if self.found.snapped[0]:
             self.health.states[HEADING] = JUMPED
         if self.found.changed[0]:
@@ -265,9 +264,6 @@ def _step() -> ca.Function:
     contrary = ca.logic_or(contrary, seen.stuck[1])
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
     refused = sensors.reasons[air_check.AIRSPEED] > 0.0
-    reason = sensors.reasons[air_check.HEADING]
-    reason = ca.if_else(seen.stuck[0], CODE[USED], reason)  # whatever else it was
-    sensors.reasons[air_check.HEADING] = air_check.repeated(reason, seen.stuck[0])
     no_airspeed_used = ca.logic_or(ca.logic_not(seen.measured), refused)
     turning = seen.rates[0] * ca.vertcat(-main.air[1], main.air[0], 0.0)
     follower, by_positions = wind_filter.followed(known.follower, dt, seen.position, fresh, turning)
@@ -307,6 +303,7 @@ def _step() -> ca.Function:
         turn_told,
         strayed,
         seen.rates[2],
+        seen.stuck[0],
     )
     by_wind = turned, along / level
     heading = ca.if_else(out[1], by_wind[0], heading)

@@ -252,6 +252,7 @@ class FlightPath:
     to and fro quicker than its nose follows; both rates are therefore smoothed before.
 
     Attributes:
+        direction: In which it flies.
         climb: By pitch and height, and what that says of the measured one.
     """
 
@@ -260,7 +261,7 @@ class FlightPath:
 
     def reset(self) -> None:
         """Forget the aircraft."""
-        self._direction = FlightDirection()
+        self.direction = FlightDirection()
         self._followed = Followed()  # w [m/s] and a [m/s^2]
         self.climb = Climb()
         self._nose = 0.0  # rad
@@ -273,11 +274,6 @@ class FlightPath:
     def contradicted(self) -> bool:
         """Whether the nose turns against the bank."""
         return self._banked - 2.0 * self._along > CONTRADICTION
-
-    @property
-    def surplus(self) -> float:
-        """See :attr:`FlightDirection.surplus`."""
-        return self._direction.surplus
 
     @property
     def airspeed_share(self) -> float:
@@ -317,11 +313,14 @@ class FlightPath:
             heading_stuck: Whether it is stuck: the turn goes by the bank alone.
         """
         bank, pitch = measurement.bank, measurement.path_angle
-        if measurement.axis is Axis.AIR_VELOCITY or bank is None or airspeed < LEAST_AIRSPEED:
+        if (
+            measurement.axis is Axis.AIR_VELOCITY
+            or bank is None
+            or airspeed < LEAST_AIRSPEED
+            or max(abs(bank), abs(pitch)) > STEEPEST
+        ):
             return measurement
-        if max(abs(bank), abs(pitch)) > STEEPEST:
-            return measurement
-        direction, climb = self._direction, self._followed
+        direction, climb = self.direction, self._followed
         step, self._time = measurement.stamp - self._time, measurement.stamp
         ground_velocity = measurement.ground_velocity.copy()
         up, height = float(ground_velocity[2]), float(measurement.position[2])

@@ -12,16 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is measured of the aircraft at one time."""
+"""What is measured of the aircraft at one time, and what a source tells of its noise.
+
+Unknown are variances of which none is positive, one is negative or not finite, or one is so large
+that it says nothing. An axis of 0 beside others that are known counts as their mean.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 # Standard deviations beyond which a source says nothing of where the aircraft is and how it flies
 NOISE_LIMITS = {
@@ -32,13 +37,29 @@ NOISE_LIMITS = {
     "airspeed": 10.0,  # m/s
 }
 
-
+UNKNOWN = (0.0, 0.0, 0.0)  # -, of any unit: nothing is told
 NUMBERS = ("stamp", "heading", "path_angle", "turn_rate", "path_angle_rate", "airspeed", "bank")
 MISSING = ("airspeed", "bank")  # of these, what a source need not measure
 
 
 class MeasurementError(ValueError):
     """A measurement cannot be used; the text names the value and what is allowed."""
+
+
+def vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Three finite numbers, shape (3,), in an array of its own: the caller's may change.
+
+    Args:
+        name: What they are, for the error.
+        values: In any unit.
+
+    Raises:
+        MeasurementError: They are not three, or not finite.
+    """
+    numbers = np.array(values, dtype=float)
+    if numbers.shape != (3,) or not all(map(math.isfinite, numbers.tolist())):
+        raise MeasurementError(f"{name} is {values!r}, must be three finite numbers")
+    return numbers
 
 
 @dataclass(frozen=True)
@@ -72,6 +93,43 @@ class SensorNoise:
                 raise MeasurementError(
                     f"noise of {name} is {values!r}, must be {wanted} in 0..{limit:g}, 0 if unknown"
                 )
+
+
+def makes_sense(variances: Sequence[float]) -> bool:
+    """Whether variances are of a covariance, and known.
+
+    Args:
+        variances: In any unit [SI].
+    """
+    # The sum is finite only if each of them is.
+    return min(variances) >= 0.0 and 0.0 < sum(variances) < math.inf
+
+
+def axes_noise(name: str, variances: Sequence[float]) -> tuple[float, float, float]:
+    """Standard deviation of each axis, in its unit [SI]; zeros where unknown.
+
+    Args:
+        name: ``position`` or ``velocity``, as of :class:`SensorNoise`.
+        variances: Of three axes, in the square of the unit [SI].
+    """
+    if not makes_sense(variances) or max(variances) > NOISE_LIMITS[name] ** 2:
+        return UNKNOWN
+    if 0.0 in variances:
+        known = [variance for variance in variances if variance > 0.0]
+        mean = sum(known) / len(known)
+        variances = [variance or mean for variance in variances]
+    x, y, z = variances
+    return math.sqrt(x), math.sqrt(y), math.sqrt(z)
+
+
+def scalar_noise(name: str, variance: float) -> float:
+    """Standard deviation, in its unit [SI]; 0 where unknown.
+
+    Args:
+        name: Of the others of :class:`SensorNoise`.
+        variance: In the square of the unit [SI].
+    """
+    return math.sqrt(variance) if 0.0 < variance <= NOISE_LIMITS[name] ** 2 else 0.0
 
 
 class Axis(Enum):
@@ -122,15 +180,12 @@ class Measurement:
 
     def __post_init__(self) -> None:
         """Refuse what is no measurement; copy the vectors, which must not change afterwards."""
-        for name in ("position", "ground_velocity"):
-            vector = np.array(getattr(self, name), dtype=float)
-            numbers = vector.tolist() if vector.shape == (3,) else [math.inf]
-            unknown = name == "position" and all(map(math.isnan, numbers))
-            if not unknown and not all(map(math.isfinite, numbers)):
-                raise MeasurementError(
-                    f"{name} is {getattr(self, name)!r}, must be three finite numbers"
-                )
-            object.__setattr__(self, name, vector)
+        position = np.array(self.position, dtype=float)
+        if position.shape != (3,) or not all(map(math.isnan, position.tolist())):
+            position = vector("position", self.position)
+        object.__setattr__(self, "position", position)
+        velocity = vector("ground_velocity", self.ground_velocity)
+        object.__setattr__(self, "ground_velocity", velocity)
         for name in NUMBERS:
             value = getattr(self, name)
             if name in MISSING and (value is None or math.isnan(value)):

@@ -94,9 +94,12 @@ class Navigator:
         self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
         self.engaged, self.claimed = True, False
-        self._times = np.zeros(0)
-        self._model = parameters.vehicle
+        self._estimating, self._model = parameters.air_estimation, parameters.vehicle
         self._step = BufferedFunction(step_function(self._model))
+        self.air.holds_altitude = self._model.commanded == 1
+        self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
+        self._times = np.zeros(parameters.horizon + 2)
+        self._outlook = Outlook(len(self._times))
         self.change(parameters)
         self.reset()
 
@@ -104,21 +107,13 @@ class Navigator:
         """Use other parameters from now on; what is known of the target is kept.
 
         Args:
-            parameters: The new ones.
+            parameters: The new ones, with the fixed ones as they are.
         """
-        if type(parameters.vehicle) is not type(self._model):
-            self._step = BufferedFunction(step_function(parameters.vehicle))
-        self._model = parameters.vehicle
-        self._estimating, self.air.timeout = parameters.air_estimation, parameters.state_timeout
+        self._model, self.air.timeout = parameters.vehicle, parameters.state_timeout
         self._latest = min(parameters.state_timeout, LATENCY_LIMIT)
         self.respond(parameters.flown_by(parameters.response))
-        self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
-        if len(self._times) != len(self._stages) + 1:
-            self._times = np.zeros(len(self._stages) + 1)
-            self._outlook = Outlook(len(self._times))
-        if parameters.air_estimation:  # something stands in for an airspeed that is left out
+        if self._estimating:  # something stands in for an airspeed that is left out
             self.air.limits = parameters.airspeed_min, parameters.airspeed_max
-        self.air.holds_altitude = self._model.commanded == 1
         self.target.tune(parameters.target_noise, parameters.target_agility)
 
     def respond(self, response: Response) -> None:

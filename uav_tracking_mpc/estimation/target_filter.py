@@ -32,7 +32,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.estimation.measurement import MeasurementError
+from uav_tracking_mpc.estimation.measurement import MeasurementError, vector
 from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
 from uav_tracking_mpc.estimation.singer_motion import bridged
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
@@ -130,11 +130,11 @@ class TargetFilter:
         """
         if not np.isfinite(time):
             raise MeasurementError(f"time of the target position is {time!r} s, must be finite")
-        measured = _vector("target position", position)
+        measured = vector("target position", position)
         told, velocity_variances = _variances(covariance)
         motion = None
         if velocity is not None:
-            motion = _vector("target velocity", velocity), velocity_variances
+            motion = vector("target velocity", velocity), velocity_variances
         newest = self._track if self._rival is None else self._rival
         if newest is not None and (time <= newest.time or self._repeats(time, measured)):
             self.late += 1
@@ -280,10 +280,3 @@ def _of_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
             f"covariance of the target is {covariance.tolist()}, must not be negative"
         )
     return np.maximum([east, north, up if up > 0.0 else max(east, north)], NOISE_MIN**2)
-
-
-def _vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    vector = np.array(values, dtype=float)  # of its own: the caller's may change
-    if vector.shape != (3,) or not np.isfinite(vector).all():
-        raise MeasurementError(f"{name} is {values!r}, must be three finite numbers")
-    return vector

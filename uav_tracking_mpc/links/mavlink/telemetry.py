@@ -49,8 +49,13 @@ from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.frames import course_rates_from_euler, heading_from_yaw
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
-from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
-from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise
+from uav_tracking_mpc.estimation.measurement import (
+    SILENT,
+    UNKNOWN,
+    Measurement,
+    SensorNoise,
+    axes_noise,
+)
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 KEPT = 20  # round trips

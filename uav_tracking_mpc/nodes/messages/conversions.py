@@ -24,7 +24,7 @@ order x, y, z and rotations about x, y, z; that of the twist is about those of `
 heading turns about the axis up. A path angle turns about the horizontal axis to the left of the
 heading, so its variance spreads over the rotations about x and y. A covariance of zeros is unknown,
 by ROS convention, and so is each of its parts that makes no sense
-(:mod:`~uav_tracking_mpc.estimation.told_noise`). What it says between axes counts for the velocity
+(:mod:`~uav_tracking_mpc.estimation.measurement`). What it says between axes counts for the velocity
 alone, which is turned to ``map``.
 """
 
@@ -47,8 +47,15 @@ from uav_tracking_mpc.dynamics.frames import (
     rotation_from_course,
     rotation_from_quaternion,
 )
-from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
-from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise, makes_sense, scalar_noise
+from uav_tracking_mpc.estimation.measurement import (
+    SILENT,
+    UNKNOWN,
+    Measurement,
+    SensorNoise,
+    axes_noise,
+    makes_sense,
+    scalar_noise,
+)
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,

@@ -40,8 +40,12 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
-from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
-from uav_tracking_mpc.estimation.told_noise import axes_noise, scalar_noise
+from uav_tracking_mpc.estimation.measurement import (
+    Measurement,
+    SensorNoise,
+    axes_noise,
+    scalar_noise,
+)
 from uav_tracking_mpc.parameters.registry import ExtensionError, ExtensionPoint
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
 from uav_tracking_mpc.settings.configuration import Configuration
