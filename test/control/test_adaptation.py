@@ -25,8 +25,8 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
 from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
-from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.response_estimator import ChannelResponse
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters

@@ -32,7 +32,7 @@ from uav_tracking_mpc.control.watches import (
 )
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.estimation.channel_response import ChannelResponse
+from uav_tracking_mpc.estimation.response_estimator import ChannelResponse
 from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate

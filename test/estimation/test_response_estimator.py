@@ -19,8 +19,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.channel_response import ChannelResponse
-from uav_tracking_mpc.estimation.response_estimator import GAIN_LIMITS, ResponseEstimator
+from uav_tracking_mpc.estimation.response_estimator import (
+    GAIN_LIMITS,
+    ChannelResponse,
+    ResponseEstimator,
+)
 from uav_tracking_mpc.simulation.plants.vehicle import InnerLoop
 
 TICK = 0.05

@@ -26,9 +26,8 @@ from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.softening import Softening
 from uav_tracking_mpc.control.watches import OscillationReport
 from uav_tracking_mpc.dynamics.vehicle import Response
-from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator
+from uav_tracking_mpc.estimation.response_estimator import ChannelResponse, ResponseEstimator
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 
 TAKING_OVER = 5.0  # s after an aircraft begins to fly the commands, in which nothing is learnt

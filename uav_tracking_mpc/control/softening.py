@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.watches import Swing
-from uav_tracking_mpc.estimation.channel_response import CHANNELS
+from uav_tracking_mpc.estimation.response_estimator import CHANNELS
 
 STEP, MOST = 8.0, 8.0**5  # -, factor of each step, and of all of them
 LASTING = 1.5  # -, periods for which a swing must go on to be answered again

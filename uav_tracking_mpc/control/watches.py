@@ -32,7 +32,7 @@ from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import followed
-from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
+from uav_tracking_mpc.estimation.response_estimator import CHANNELS, ChannelResponse
 from uav_tracking_mpc.formulation.formulation import Plan
 from uav_tracking_mpc.parameters.specification import ParameterError, changed
 from uav_tracking_mpc.settings.tracking import TrackingParameters

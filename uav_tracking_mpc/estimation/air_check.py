@@ -148,7 +148,7 @@ def air_checked(
     weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
     reason = _stuck(known, elapsed, reason, reading, along, acceleration)
     is_heading = repeated(ca.if_else(stuck, CODE[USED], is_heading), stuck)  # whatever else it was
-    reasons = ca.vertcat(ca.if_else(present, reason, CODE[SILENT]), is_heading)
+    known.reasons = ca.vertcat(ca.if_else(present, reason, CODE[SILENT]), is_heading)
 
     residuals = []
     for each, before in zip(air, (known.now[1], known.now[3]), strict=True):
@@ -172,10 +172,9 @@ def air_checked(
         value + ca.fmin(elapsed / time, 1.0) * (explained - value)
         for value, time in ((known.explained, CHANGES), (known.recent, CHANGE_TIME))
     )
-    agreed, after = _compared(
+    after = _compared(
         known,
         elapsed,
-        reasons,
         weight,
         ca.vertcat(*residuals),
         own,
@@ -193,7 +192,6 @@ def air_checked(
     known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
     known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
     known.recent = ca.if_else(compared[AIRSPEED], recent, explained)
-    known.reasons = ca.if_else(known_winds, agreed, reasons)
     gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + moved
     # When the comparison begins, the wind may still be what is wrong.
     early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
@@ -205,8 +203,7 @@ def air_checked(
     no_heading = known.reasons[HEADING] > 0.0
     way = ca.if_else(no_airspeed, air[0], air[1])
     along = ca.if_else(no_heading, ca.norm_2(air[0]), along)
-    out = [no_airspeed, no_heading]
-    return known, out, ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
+    return known, [no_airspeed, no_heading], ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
 
 
 def repeated(state: ca.SX, stuck: ca.SX) -> ca.SX:
@@ -250,7 +247,6 @@ def _stuck(
 def _compared(
     known: SimpleNamespace,
     elapsed: ca.SX,
-    reasons: ca.SX,
     weight: ca.SX,
     residuals: ca.SX,
     own: ca.SX,
@@ -258,9 +254,9 @@ def _compared(
     turned: ca.SX,
     changes: ca.SX,
     lately: ca.SX,
-) -> tuple[ca.SX, SimpleNamespace]:
-    """States of both sensors, and the rest of what is known, after residuals have been followed."""
-    fresh = weight == 0.0
+) -> SimpleNamespace:
+    """What is known after residuals have been followed, with the states of both sensors."""
+    fresh, reasons = weight == 0.0, known.reasons
     begins = _of_residuals(fresh)
     now, before = (ca.if_else(begins, residuals, each) for each in (known.now, known.before))
     lasting = ca.if_else(begins, 0.0, known.lasting)
@@ -315,7 +311,8 @@ def _compared(
     anew = ca.repmat(again, 2)
     before, lasting = (ca.if_else(anew, now, value) for value in (before, lasting))
     share = elapsed / _of_residuals(weight) * ca.repmat(reasons == CODE[USED], 2)
-    after = SimpleNamespace(
+    return SimpleNamespace(
+        reasons=reasons,
         now=now,
         before=before,
         lasting=lasting,
@@ -329,7 +326,6 @@ def _compared(
         jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )
-    return reasons, after
 
 
 def _turns(angle: ca.SX) -> ca.SX:

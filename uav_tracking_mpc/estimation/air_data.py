@@ -287,10 +287,9 @@ class AirData:
 
     def _plausible(self, measurement: Measurement, airspeed: float | None) -> float:
         """Airspeed that fits the wind, in [m/s]."""
-        if airspeed is None and self._velocity_failed:
-            return float(self._found.vehicle[5])
         if airspeed is None:
-            return self._expected(measurement)
+            estimated = float(self._found.vehicle[5])
+            return estimated if self._velocity_failed else self._expected(measurement)
         if not self._found.known[0] or self._velocity_failed:
             return airspeed
         expected, gusts = self._expected(measurement), 0.0 if self._failed else GUSTS

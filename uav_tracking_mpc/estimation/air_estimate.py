@@ -133,14 +133,8 @@ class AirEstimate:
     def reset(self) -> None:
         """Forget the air and believe every sensor."""
         self._memory[:], self._step.results[1][:] = MEMORY.begin, 0.0
-        self._begin_filters()
-        self.health.reset()
-
-    def _begin_filters(self) -> None:
-        """Nothing is known of the wind."""
-        self._forget(*LANES, "meters", "places", "quick")
-        self.found.without[:] = self.found.known[:] = 0.0
         self._time: float | None = None
+        self.health.reset()
 
     def _forget(self, *names: str) -> None:
         for name in names:
@@ -210,7 +204,19 @@ class AirEstimate:
         before = self.found.states.copy()
         self._step.evaluate()
         self._memory[:] = self._step.results[0]
-        return self._taken(before)
+        # A filter goes on from the one that no wrong sensor has come into.
+        for state, earlier, lane in zip(self.found.states, before, LANES[1:], strict=False):
+            if state != earlier and state > CODE[SILENT]:
+                MEMORY.part("main", self._memory)[:] = MEMORY.part(lane, self._memory)
+        for sensor, state in zip(SENSORS, self.found.states, strict=True):
+            self.health.states[sensor] = STATES[int(state)]
+        if self.found.snapped[0]:
+            self.health.states[HEADING] = JUMPED
+        if self.found.changed[0]:  # the air: nothing is known of the wind
+            self._forget(*LANES, "meters", "places", "quick")
+            self.found.without[:] = self.found.known[:] = 0.0
+            self._time = None
+        return FOUND.parts(self._step.results[1].copy())
 
     def _begin(self) -> None:
         """Let position and motion begin anew, whatever was known of them."""
@@ -225,20 +231,6 @@ class AirEstimate:
         self._forget("velocity", "place", "compass")
         known.velocity.begin[:] = known.follower.place[:] = seen.position
         known.velocity.before[:] = known.follower.velocity[:] = known.ground[:] = seen.ground
-
-    def _taken(self, before: NDArray[np.float64]) -> SimpleNamespace:
-        """What has been found; a filter goes on from the one that no wrong sensor has come into."""
-        states = self.found.states
-        for state, earlier, lane in zip(states, before, LANES[1:], strict=False):
-            if state != earlier and state > CODE[SILENT]:
-                MEMORY.part("main", self._memory)[:] = MEMORY.part(lane, self._memory)
-        for sensor, state in zip(SENSORS, states, strict=True):
-            self.health.states[sensor] = STATES[int(state)]
-        if self.found.snapped[0]:
-            self.health.states[HEADING] = JUMPED
-        if self.found.changed[0]:
-            self._begin_filters()
-        return FOUND.parts(self._step.results[1].copy())
 
 
 @functools.cache
@@ -263,8 +255,9 @@ def _step() -> ca.Function:
     )
     contrary = ca.logic_or(contrary, seen.stuck[1])
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
-    refused = sensors.reasons[air_check.AIRSPEED] > 0.0
-    no_airspeed_used = ca.logic_or(ca.logic_not(seen.measured), refused)
+    no_airspeed_used = ca.logic_or(
+        ca.logic_not(seen.measured), sensors.reasons[air_check.AIRSPEED] > 0.0
+    )
     turning = seen.rates[0] * ca.vertcat(-main.air[1], main.air[0], 0.0)
     follower, by_positions = wind_filter.followed(known.follower, dt, seen.position, fresh, turning)
     # Without an airspeed the expected velocity would confirm itself: positions replace it.
@@ -285,8 +278,7 @@ def _step() -> ca.Function:
     heading = seen.heading - snapped
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
-    level_wind = [lane.triangle[LEVEL_WIND] for lane in lanes[1:]]
-    level_variances = ca.vertcat(*[ca.mmax(each) for each in level_wind])
+    level_variances = ca.vertcat(*[ca.mmax(lane.triangle[LEVEL_WIND]) for lane in lanes[1:]])
     wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
     blind = lanes[NO_AIRSPEED].state
     air, out, turned, along = air_check.air_checked(
@@ -330,8 +322,7 @@ def _step() -> ca.Function:
             lane.triangle[axis] = ca.if_else(scatter > believed, uncertain, lane.triangle[axis])
     read = ca.if_else(fresh * (code == CODE[JUMPED]), seen.position, position)
     # Once positions scatter, what was metered before counts as little as some seconds of samples.
-    lightest = ca.fmin(places.weight, noise_meter.EARLY)
-    places.weight = ca.if_else(scattered, lightest, places.weight)
+    places.weight = ca.fmin(places.weight, ca.if_else(scattered, noise_meter.EARLY, ca.inf))
 
     # A turn that is quicker than its bank: the airspeed reads too much, or the aircraft slips. That
     # is known before the wind is, which then tells which of them, so alpha becomes uncertain.

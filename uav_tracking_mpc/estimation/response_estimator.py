@@ -34,18 +34,25 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
 from uav_tracking_mpc.estimation.response_candidates import DEAD_TIMES, LAGS, ResponseCandidates
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.symbolic.layout import Layout
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
+CHANNELS = ("turn rate", "path-angle rate", "acceleration")
+# The sum of lag and dead time, or the lag alone, is trusted below the first deviation and until the
+# second: what it is off by adds to the phase. The gain likewise.
+DELAY_TRUST = (0.05, 0.1)  # s
+GAIN_TRUST = (0.03, 0.06)  # -
+# Deviation of the gain beyond which there may be no response at all, only noise that looks alike.
+RESPONSE_TRUST = 0.1
 MEMORY = 60.0  # s, T_m
 WASHOUT = 10.0  # s, time constant of the high pass: shorter than an orbit, longer than any lag
 GAIN_LIMITS = 0.5, 1.6  # -, of a gain that is believed
@@ -70,6 +77,55 @@ _APART = np.diff(DEAD_TIMES)  # s
 SUMS = Layout(passed=3 * GRID, power=3 * GRID, product=3 * GRID, following=3 * (GRID - len(LAGS)))
 
 
+class ChannelResponse(NamedTuple):
+    """A first-order lag behind a dead time, with standard deviations.
+
+    The sum of lag and dead time shows far better than each of them: what one is too long, the other
+    is too short.
+
+    Attributes:
+        lag: Time constant in [s].
+        dead_time: In [s].
+        gain: Rate that is flown per rate that is commanded [-].
+        lag_deviation: Standard deviation of the lag in [s].
+        dead_time_deviation: Of the dead time in [s].
+        delay_deviation: Of their sum in [s].
+        gain_deviation: Of the gain [-].
+        trusted: Whether the sum is known well enough to fly by.
+        lag_trusted: Whether the lag alone is.
+        gain_trusted: Whether the gain is.
+    """
+
+    lag: float = 0.0
+    dead_time: float = 0.0
+    gain: float = 1.0
+    lag_deviation: float = math.inf
+    dead_time_deviation: float = math.inf
+    delay_deviation: float = math.inf
+    gain_deviation: float = math.inf
+    trusted: bool = False
+    lag_trusted: bool = False
+    gain_trusted: bool = False
+
+    @property
+    def delay(self) -> float:
+        """Lag plus dead time in [s]."""
+        return self.lag + self.dead_time
+
+    def judged(self, before: ChannelResponse) -> ChannelResponse:
+        """This estimate with what may be trusted of it, with hysteresis.
+
+        Args:
+            before: The estimate before this one.
+        """
+        seen = self.gain_deviation < RESPONSE_TRUST
+        return self._replace(
+            trusted=seen and self.delay_deviation < DELAY_TRUST[before.trusted],
+            lag_trusted=seen and self.lag_deviation < DELAY_TRUST[before.lag_trusted],
+            gain_trusted=self.gain_deviation < GAIN_TRUST[before.gain_trusted],
+        )
+
+
 class ResponseEstimator:
     """Commands and measurements in, :class:`ChannelResponse` of three channels out.
 
@@ -83,7 +139,7 @@ class ResponseEstimator:
 
     @one_at_a_time
     def __init__(self, commanded: int = 3) -> None:
-        self._followed = [axis < commanded for axis in EVERY]
+        self._followed = np.arange(3) < commanded
         self._candidates = ResponseCandidates()
         self._memory, self._before = np.zeros(SUMS.size), np.zeros(3 * GRID)
         sums = vars(SUMS.parts(self._memory)).values()
@@ -98,9 +154,9 @@ class ResponseEstimator:
         """Forget all: another aircraft."""
         self._memory[:] = self._before[:] = 0.0
         # Of each channel: sums of 1, y y, products of successive residuals, and their squares.
-        self._sums = [[0.0] * 4 for _ in EVERY]
-        self._residual, self._measured_passed = [0.0] * 3, [0.0] * 3
-        self._nearest, self._gains = [0] * 3, [1.0] * 3  # the best candidate
+        self._sums = np.zeros((4, 3))
+        self._residual = self._measured_passed = np.zeros(3)
+        self._nearest, self._gains = np.zeros(3, dtype=int), np.ones(3)  # the best candidate
         self.channels = [ChannelResponse()] * 3
         self._turn = 0
         self.interrupt()
@@ -109,7 +165,7 @@ class ResponseEstimator:
         """Forget commands and times, keep what has been learnt."""
         self._time: float | None = None
         self._commanded = False
-        self._used, self._measured = [False] * 3, [0.0] * 3
+        self._used, self._measured = np.zeros(3, dtype=bool), np.zeros(3)
         self._saturated, self._begun, self._turn_rate_max = -math.inf, 0.0, math.inf
 
     def commanded(
@@ -151,8 +207,8 @@ class ResponseEstimator:
         elapsed = math.inf if self._time is None else time - self._time
         if 0.0 <= elapsed < SHORTEST_PERIOD:
             return
-        measured = [turn_rate, path_angle_rate, airspeed or 0.0]
-        if any(abs(value) > most for value, most in zip(measured, PLAUSIBLE, strict=True)):
+        measured = np.array([turn_rate, path_angle_rate, airspeed or 0.0])
+        if np.any(np.abs(measured) > PLAUSIBLE):
             self.interrupt()
             return
         if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
@@ -164,44 +220,37 @@ class ResponseEstimator:
             return
         if abs(turn_rate) >= SATURATION * turn_rate_max:
             self._saturated = time
-        free = time - self._saturated > RECOVERY, True, airspeed is not None
-        begun = time - self._begun > BEGIN
-        both = zip(free, self._followed, strict=True)
-        usable = [begun and each and followed for each, followed in both]
-        self._add(time, elapsed, measured, usable)
+        free = [time - self._saturated > RECOVERY, True, airspeed is not None]
+        self._add(time, elapsed, measured, self._followed & free & (time - self._begun > BEGIN))
         self._turn = (self._turn + 1) % (3 * REFINED_EVERY)
         if self._turn % REFINED_EVERY == 0:
             axis = self._turn // REFINED_EVERY
             found = self._refined(axis)
             self.channels[axis] = found.judged(self.channels[axis])
 
-    def _add(self, time: float, elapsed: float, measured: list[float], usable: list[bool]) -> None:
+    def _add(
+        self, time: float, elapsed: float, measured: NDArray[np.float64], usable: NDArray[np.bool_]
+    ) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""
-        weights = [float(now and before) for now, before in zip(usable, self._used, strict=True)]
+        weights = (usable & self._used).astype(float)
         kept, forgotten = math.exp(-elapsed / WASHOUT), math.exp(-elapsed / MEMORY)
-        for axis, weight in enumerate(weights):
-            change = weight * (measured[axis] - self._measured[axis])
-            self._measured_passed[axis] = kept * (self._measured_passed[axis] + change)
-        self._measured, self._used = measured, usable
+        y = kept * (self._measured_passed + weights * (measured - self._measured))
+        self._measured_passed, self._measured, self._used = y, measured, usable
         self._candidates.at(time)  # into the responses
         _, _, responses, told = self._added.arguments
-        told[:] = [*weights, *self._measured_passed, kept, forgotten]
+        told[:] = [*weights, *y, kept, forgotten]
         self._added.evaluate()
         self._memory[:], self._before[:] = self._added.results[0], responses
-        for axis, (weight, y) in enumerate(zip(weights, self._measured_passed, strict=True)):
-            x, before = float(self._passed[axis, self._nearest[axis]]), self._residual[axis]
-            residual = weight * (y - self._gains[axis] * x)
-            new = weight, weight * (y * y), residual * before, residual * residual
-            sums = zip(self._sums[axis], new, strict=True)
-            self._sums[axis] = [forgotten * total + term for total, term in sums]
-            self._residual[axis] = residual
+        residual = weights * (y - self._gains * self._passed[EVERY, self._nearest])
+        new = weights, weights * (y * y), residual * self._residual, residual * residual
+        self._sums, self._residual = forgotten * self._sums + new, residual
 
     def _refined(self, axis: int) -> ChannelResponse:
         """Minimum of J and its curvature."""
         columns = (-1, len(LAGS))
         power = self._power[axis].reshape(columns)
         product = self._product[axis].reshape(columns)
-        weight, squared_response, successive, squared = self._sums[axis]
+        weight, squared_response, successive, squared = self._sums[:, axis].tolist()
         if not np.any(power > 0.0):
             return ChannelResponse()
         following = self._next[axis].reshape(columns)
@@ -224,22 +273,19 @@ class ResponseEstimator:
         # as if a residual was independent of the one before
         variance *= (1.0 + correlation) / (1.0 - correlation)
         variance += NOISE_FLOOR[axis] ** 2
-        of_lag = 2.0 * variance / max(bend, 1e-300)
-        along = math.sqrt(of_lag)
+        along = math.sqrt(2.0 * variance / max(bend, 1e-300))
         lag_rounding, delay_rounding, gain_rounding = ROUNDING
         lag_deviation = math.hypot(along, lag_rounding)
-        sway = abs(delay_slope) * along
-        of_dead_time = 2.0 * variance / max(float(bends[best]), 1e-300)
-        gain_sway = abs(gain_slope) * along
-        of_gain = variance / max(float(power[nearest, best]), 1e-300)
+        of_dead_time = math.sqrt(2.0 * variance / max(float(bends[best]), 1e-300))
+        of_gain = math.sqrt(variance / max(float(power[nearest, best]), 1e-300))
         return ChannelResponse(
             lag=lag,
             dead_time=max(delay - lag, 0.0),
             gain=gain,
             lag_deviation=lag_deviation,
-            dead_time_deviation=math.hypot(lag_deviation, math.sqrt(of_dead_time)),
-            delay_deviation=math.hypot(sway, math.sqrt(of_dead_time), delay_rounding),
-            gain_deviation=math.hypot(gain_sway, math.sqrt(of_gain), gain_rounding),
+            dead_time_deviation=math.hypot(lag_deviation, of_dead_time),
+            delay_deviation=math.hypot(delay_slope * along, of_dead_time, delay_rounding),
+            gain_deviation=math.hypot(gain_slope * along, of_gain, gain_rounding),
         )
 
 

@@ -146,10 +146,8 @@ class StateGate:
         Args:
             measurement: The newest one.
         """
-        newest = self.newest
-        if newest is None or not _repeats(newest, measurement):
-            return False
-        return measurement.stamp - self._moved > REPEATING
+        repeats = self.newest is not None and _repeats(self.newest, measurement)
+        return repeats and measurement.stamp - self._moved > REPEATING
 
     def _ahead(self, stamp: float, now: float) -> float:
         """By how much a stamp is ahead of the clock and what states were late at least in [s]."""

@@ -117,7 +117,6 @@ class TargetTrack:
         nearness = -0.5 * np.log(AGILITIES / agility) ** 2
         nearness[TURN] = -math.inf
         self._weigh(nearness)
-        self._merge()
 
     @property
     def agility(self) -> float:
@@ -182,7 +181,6 @@ class TargetTrack:
             covariances[..., 0, 0] = np.maximum(covariances[..., 0, 0], variances)
         self._states, self._covariances = states, covariances
         self._weigh(np.log(predicted) + self._correct(0, innovations, variances))
-        self._merge()
         self.time, self.count = time, self.count + 1
         if motion is not None:
             self.see_velocity(*motion, gate)
@@ -202,9 +200,8 @@ class TargetTrack:
         innovations = velocity - self._states[:, 1]
         expected = self._covariances[..., 1, 1] + variances
         if ((innovations * innovations / expected).sum(axis=1) <= gate).any():
-            weights = self._correct(1, innovations, variances)
-            self._weigh(np.log(self.probabilities) + weights)
-            self._merge()
+            likelihoods = self._correct(1, innovations, variances)
+            self._weigh(np.log(self.probabilities) + likelihoods)
 
     def _predicted(
         self, elapsed: float
@@ -258,12 +255,9 @@ class TargetTrack:
         return likelihoods
 
     def _weigh(self, logarithms: NDArray[np.float64]) -> None:
-        """Probabilities from their logarithms, up to a common term."""
+        """Probabilities from their logarithms, up to a common term; the mixture of all modes."""
         weights = np.maximum(np.exp(logarithms - logarithms.max()), PROBABILITY_MIN)
         self.probabilities = weights / weights.sum()
-
-    def _merge(self) -> None:
-        """State and covariances of the mixture of all modes."""
         origin = self._states[QUIET]
         shares = self.probabilities[np.newaxis]
         states, covariances = _mixtures(shares, self._states - origin, self._covariances)

@@ -33,8 +33,8 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.fallback import OWN_SOLVE, FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.estimation.channel_response import CHANNELS
 from uav_tracking_mpc.estimation.navigator import Navigator
+from uav_tracking_mpc.estimation.response_estimator import CHANNELS
 from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver
 from uav_tracking_mpc.nodes.messages.conversions import set_header, set_orientation, set_vector
 from uav_tracking_mpc.nodes.messages.diagnostic_values import (

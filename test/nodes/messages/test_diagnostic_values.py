@@ -26,8 +26,8 @@ from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
-from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.response_estimator import CHANNELS, ChannelResponse
 from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     MODE,
     REASON,

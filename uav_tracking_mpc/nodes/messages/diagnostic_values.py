@@ -28,7 +28,7 @@ from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
-from uav_tracking_mpc.estimation.channel_response import CHANNELS
+from uav_tracking_mpc.estimation.response_estimator import CHANNELS
 from uav_tracking_mpc.estimation.sensor_health import SensorHealth
 from uav_tracking_mpc.simulation.flight_log import FlownMode, SensorNews
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
