@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
-from uav_tracking_mpc.estimation.turn_prediction import REWIND, TURN
+from uav_tracking_mpc.estimation.target_motion import REWIND, TURN
 
 STATE = np.array([[10.0, -20.0, 3.0], [6.0, -2.0, 0.4], [0.8, 0.3, 0.0]])
 WIND, GUST, TIMES = np.array([5.0, 2.0, 0.1]), np.array([1.0, -2.0, 0.5]), np.array([8.0, 8.0, 3.0])

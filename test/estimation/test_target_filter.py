@@ -20,9 +20,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.singer_motion import STRAIGHT_TIME
 from uav_tracking_mpc.estimation.target_filter import FORGOTTEN, TargetFilter
-from uav_tracking_mpc.estimation.turn_prediction import TURN
+from uav_tracking_mpc.estimation.target_motion import STRAIGHT_TIME, TURN
 
 
 def fed(times, path, noise=0.0, agility=0.5, seed=0, dropouts=0.0):

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
-from uav_tracking_mpc.estimation.singer_motion import singer_motion
+from uav_tracking_mpc.estimation.target_motion import singer_motion
 from uav_tracking_mpc.estimation.target_track import (
     AGILITIES,
     OUTLIER_VARIANCE,

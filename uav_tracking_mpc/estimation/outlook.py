@@ -14,7 +14,7 @@
 
 r"""Target and drift from now on, from what the filters know of target and air.
 
-The target goes on turning (:mod:`~uav_tracking_mpc.estimation.turn_prediction`); what its newest
+The target goes on turning (:mod:`~uav_tracking_mpc.estimation.target_motion`); what its newest
 measurement has changed fades in. The mean wind stays, the gust of now fades with its correlation
 time T: at a time t from now, with wind w, gust g, the target's velocity v and acceleration a,
 
@@ -30,7 +30,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.estimation.turn_prediction import REWIND, TURN
+from uav_tracking_mpc.estimation.target_motion import REWIND, TURN
 from uav_tracking_mpc.symbolic.layout import Layout
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
@@ -66,7 +66,7 @@ class Outlook:
         Args:
             motion: Position, velocity, acceleration of the target's track, shape (9,).
             track: Shape (4,): variance of that acceleration [m^2/s^4], turn rate [rad/s], and as of
-                :func:`~uav_tracking_mpc.estimation.singer_motion.bridged` the time travelled since
+                :func:`~uav_tracking_mpc.estimation.target_motion.bridged` the time travelled since
                 the track's time [s] and the share of the velocity that is left [-].
             faded: What is not yet corrected of position [m] and velocity [m/s], shape (6,).
             air: Mean wind [m/s], its trend [m/s^2], gust [m/s] and its correlation times [s], shape

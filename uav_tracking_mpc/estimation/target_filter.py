@@ -34,10 +34,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError, vector
 from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
-from uav_tracking_mpc.estimation.singer_motion import bridged
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
+from uav_tracking_mpc.estimation.target_motion import REWIND, TURN, bridged
 from uav_tracking_mpc.estimation.target_track import LEVEL, Motion, TargetTrack
-from uav_tracking_mpc.estimation.turn_prediction import REWIND, TURN
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out

@@ -42,7 +42,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.singer_motion import (
+from uav_tracking_mpc.estimation.target_motion import (
     BRIDGE_TIME,
     STRAIGHT_TIME,
     bridged,

@@ -12,13 +12,63 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.linalg import expm
 
-from uav_tracking_mpc.estimation.turn_prediction import TURN
+from uav_tracking_mpc.estimation.target_motion import (
+    BRIDGE_TIME,
+    FADE_TIME,
+    MANOEUVRE_TIME,
+    TURN,
+    bridged,
+    singer_motion,
+)
+
+DYNAMICS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0 / MANOEUVRE_TIME]])
+
+
+def van_loan(duration):
+    """F and Q from one matrix exponential: C. F. Van Loan, IEEE Trans. Automatic Control, 1978."""
+    block = np.zeros((6, 6))
+    block[:3, :3], block[3:, 3:] = -DYNAMICS, DYNAMICS.T
+    block[2, 5] = 2.0 / MANOEUVRE_TIME
+    both = expm(block * duration)
+    return both[3:, 3:].T, both[3:, 3:].T @ both[:3, 3:]
+
+
+@pytest.mark.parametrize("duration", [1e-3, 0.1, 1.0, 2.5, 2.6, 12.0])
+def test_the_motion_is_that_of_the_matrix_exponential(duration):
+    F, Q = van_loan(duration)
+    transition, noise = singer_motion(duration)
+    # What the exponential and the product after it round, they round of their largest terms.
+    rounding = 100.0 * np.finfo(float).eps
+    np.testing.assert_allclose(transition, F, rtol=1e-9, atol=rounding * np.abs(F).max())
+    largest = np.abs(F).max() * np.abs(np.linalg.solve(F, Q)).max()
+    np.testing.assert_allclose(noise, Q, rtol=1e-9, atol=rounding * largest)
+
+
+@pytest.mark.parametrize("duration", [1e-6, 1e-3])
+def test_a_short_time_is_a_driven_triple_integrator(duration):
+    """Where the closed form of Q cancels: q dt^5 / 20, q dt^4 / 8, ..."""
+    t, q = duration, 2.0 / MANOEUVRE_TIME
+    expected = q * np.array(
+        [[t**5 / 20, t**4 / 8, t**3 / 6], [t**4 / 8, t**3 / 3, t**2 / 2], [t**3 / 6, t**2 / 2, t]]
+    )
+    np.testing.assert_allclose(singer_motion(t)[1], expected, rtol=2 * t)
+
+
+def test_a_lost_target_runs_on_and_then_slows_down():
+    assert bridged(BRIDGE_TIME) == (BRIDGE_TIME, 1.0)
+    travelled, left = bridged(1e3)
+    assert travelled == pytest.approx(BRIDGE_TIME + FADE_TIME)
+    assert left == pytest.approx(0.0)
+    h = 1e-6
+    slope = (bridged(9.0 + h)[0] - bridged(9.0 - h)[0]) / (2 * h)
+    assert slope == pytest.approx(bridged(9.0)[1])
+
 
 KNOWN = 1e-12  # m^2/s^4, next to nothing uncertain
 LEADS = np.linspace(0.0, 20.0, 41)
