@@ -49,6 +49,7 @@ from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, OFF, SILENT,
 from uav_tracking_mpc.symbolic.layout import Layout
 
 # Airspeed and heading by the wind
+
 # s: time constants of the noise of a residual, of its jumps, and of what lasts
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0
 LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s, that a jump, and what lasts, must exceed in still air
@@ -92,6 +93,7 @@ AIR_CHECK = Layout(
 )  # fmt: skip
 
 # The compass by the gyros
+
 # rad, rad/s, -, -: a heading jumps if it differs from that of the gyros by more than SNAP, plus
 # SNAP_RATE times the time since the last one, plus so many standard deviations of its noise. It is
 # right again below a share BACK of SNAP.
