@@ -31,8 +31,8 @@ stays the same to the last bit though the aircraft has been accelerated is left 
 velocity and wind stand in for a sensor until it agrees again.
 
 A compass is compared with the gyros, too: their difference, less the gyros' bias, shows one that
-drifts. Without an airspeed the gyros are all that a
-heading can be compared with: what it has jumped by is then subtracted.
+drifts. Without an airspeed the gyros are all that a heading can be compared with: what it has
+jumped by is then subtracted.
 
 These are expressions: :mod:`~uav_tracking_mpc.estimation.air_estimate` compiles them.
 """
@@ -270,9 +270,8 @@ def _compared(
     smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
     drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + smooth)
     high_low = ca.vertcat(1.0, -1.0)
-    doubts = ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT
     late = weight[AIRSPEED] >= PRIOR_TIME + LASTING  # until then the wind may be what is wrong
-    doubts *= late
+    doubts = late * (ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT)
     # It goes once the residual has gone: what has changed fades, and gusts may hide it for a while.
     fading = ca.fmax(high_low * lasting[AIRSPEED], known.doubts * (1.0 - elapsed / LASTING))
     doubts = ca.fmax(doubts, ca.fmin(known.doubts, fading))
@@ -289,9 +288,8 @@ def _compared(
     least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[OTHER])) + ca.vertcat(changes, 0.0)
     by_sensor, size = ca.sign(its_jump) * owned, ca.fabs(its_jump)
     by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
-    by_air = (size > most) * (by_sensor < LEAST_SHARE * size)
-    by_air *= ca.fabs(before[ITS]) < size  # not some gust while a sensor is off for long
     jumped = (size > most) * (by_sensor > OWN_SHARE * size)
+    by_air = (size > most) * (by_sensor < LEAST_SHARE * size)
     # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
     # of it is not explained.
     drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
@@ -308,10 +306,10 @@ def _compared(
     again = agreed > AGREED_FOR
     free = both_used * ca.vertcat(1.0, found[AIRSPEED] == CODE[USED])
     reasons = ca.if_else(free, found, reasons)
-    by_air *= reasons == CODE[JUMPED]
+    # Not some gust while a sensor is off for long.
+    by_air *= (ca.fabs(before[ITS]) < size) * (reasons == CODE[JUMPED])
     reasons = ca.if_else(ca.logic_or(again, by_air), CODE[USED], reasons)
-    anew = ca.repmat(again, 2)
-    before, lasting = (ca.if_else(anew, now, value) for value in (before, lasting))
+    before, lasting = (ca.if_else(ca.repmat(again, 2), now, each) for each in (before, lasting))
     share = elapsed / _of_residuals(weight) * ca.repmat(reasons == CODE[USED], 2)
     return SimpleNamespace(
         reasons=reasons,

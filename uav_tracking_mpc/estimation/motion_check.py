@@ -116,8 +116,8 @@ def velocity_checked(
     height = ca.fmin(ca.fmax(flown[2], -most), most)
     climbs = math.exp(-1.0 / CLIMBS) * known.climbs + climb * ca.vertcat(height, climb)
     climbs = ca.if_else(full * (most > CLIMBING * time), climbs, known.climbs)
-    against = climbs[0] < AGAINST * climbs[1]
-    against *= climbs[1] > LEAST_CLIMB + SURE_CLIMB * noise**2
+    sure = climbs[1] > LEAST_CLIMB + SURE_CLIMB * noise**2
+    against = sure * (climbs[0] < AGAINST * climbs[1])
     begins = ca.logic_or(full, ca.logic_and(far, ca.logic_not(known.odd)))
     after = SimpleNamespace(
         odd=ca.logic_and(far, ca.logic_not(changed)),
@@ -166,7 +166,6 @@ def position_checked(
     """
     limit = JUMP + NOISE_MULTIPLE * deviation
     fresh = is_fresh(known, position, present)
-    repeated = ca.logic_and(present, ca.logic_not(fresh))
     age = ca.if_else(fresh, 0.0, known.age + elapsed)
     # A height that comes again with its position tells nothing, but one beside a new place does.
     stands = position[2] == known.last[2]
@@ -187,9 +186,10 @@ def position_checked(
     moved = ca.logic_and(far * fresh, jumped >= JUMP_TIME)
     waits = lasts * ca.logic_not(moved) * ca.logic_not(stale)
     silent = ca.logic_not(present) * stale
-    stuck = ca.logic_or(far * repeated * stale, level) * ca.logic_not(ca.logic_or(waits, silent))
+    stuck = ca.logic_or(far * ca.logic_not(fresh) * stale, level) * ca.logic_not(
+        ca.logic_or(waits, silent)
+    )
     code = CODE[JUMPED] * waits + CODE[STUCK] * stuck + CODE[SILENT] * silent
-    used = fresh * ca.logic_not(waits)
     after = SimpleNamespace(
         jumped=ca.if_else(moved, 0.0, jumped),
         age=age,
@@ -198,5 +198,5 @@ def position_checked(
         last=ca.if_else(present, position, known.last),
         climbed=climbed,
     )
-    seen_axes = used * ca.vertcat(1.0, 1.0, ca.logic_not(old))
+    seen_axes = fresh * ca.logic_not(waits) * ca.vertcat(1.0, 1.0, ca.logic_not(old))
     return after, code, ca.if_else(seen_axes, position, carried), seen_axes, moved, scattered
