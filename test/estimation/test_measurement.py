@@ -19,14 +19,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.measurement import (
-    NOISE_LIMITS,
-    UNKNOWN,
-    Measurement,
-    SensorNoise,
-    axes_noise,
-    scalar_noise,
-)
+from uav_tracking_mpc.estimation.measurement import NOISE_LIMITS, Measurement, SensorNoise
 
 
 def test_the_state_has_the_airspeed_that_it_is_given():
@@ -78,9 +71,10 @@ def test_an_airspeed_or_a_bank_that_is_no_number_is_not_measured():
 
 
 def test_variances_become_deviations_and_an_axis_without_one_takes_the_mean():
-    assert axes_noise("position", [1.0, 4.0, 9.0]) == (1.0, 2.0, 3.0)
-    assert axes_noise("position", [1.0, 3.0, 0.0]) == pytest.approx((1.0, 3.0**0.5, 2.0**0.5))
-    assert scalar_noise("heading", 0.01) == pytest.approx(0.1)
+    told = SensorNoise.told([1.0, 4.0, 9.0], [1.0, 3.0, 0.0], 0.01, 0.04)
+    assert told.position == (1.0, 2.0, 3.0)
+    assert told.velocity == pytest.approx((1.0, 3.0**0.5, 2.0**0.5))
+    assert (told.heading, told.path_angle) == pytest.approx((0.1, 0.2))
 
 
 @pytest.mark.parametrize("wrong", [-1.0, math.nan, math.inf, 1e12])
@@ -88,15 +82,10 @@ def test_what_makes_no_sense_is_unknown(wrong):
     for axis in range(3):
         variances = [1.0, 1.0, 1.0]
         variances[axis] = wrong
-        assert axes_noise("position", variances) == UNKNOWN
-    assert scalar_noise("heading", wrong) == 0.0
-    assert axes_noise("velocity", [0.0] * 3) == UNKNOWN
+        assert SensorNoise.told(variances, [0.0] * 3, wrong, wrong) == SensorNoise()
 
 
 @given(st.lists(st.floats(), min_size=3, max_size=3))
 def test_whatever_is_told_a_measurement_may_hold_it(variances):
-    heading = scalar_noise("heading", variances[0])
-    told = SensorNoise(
-        axes_noise("position", variances), axes_noise("velocity", variances), heading
-    )
+    told = SensorNoise.told(variances, variances, *variances[:2])
     assert max(told.position) <= NOISE_LIMITS["position"]

@@ -62,39 +62,6 @@ def vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
     return numbers
 
 
-@dataclass(frozen=True)
-class SensorNoise:
-    """Standard deviations of a measurement, as far as its source knows them; 0 where it does not.
-
-    Attributes:
-        position: Of the position on each axis of ``map``, shape (3,), in [m].
-        velocity: Of the ground velocity on each axis of ``map``, shape (3,), in [m/s].
-        heading: In [rad].
-        path_angle: In [rad].
-        airspeed: In [m/s].
-
-    Raises:
-        MeasurementError: One is negative, not finite, or so large that it says nothing.
-    """
-
-    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    heading: float = 0.0
-    path_angle: float = 0.0
-    airspeed: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Refuse what is no standard deviation."""
-        for name, limit in NOISE_LIMITS.items():
-            values = getattr(self, name)
-            axes = values if isinstance(values, tuple) else (values,)
-            wanted = 3 if name in ("position", "velocity") else 1
-            if len(axes) != wanted or not all(0.0 <= value <= limit for value in axes):
-                raise MeasurementError(
-                    f"noise of {name} is {values!r}, must be {wanted} in 0..{limit:g}, 0 if unknown"
-                )
-
-
 def makes_sense(variances: Sequence[float]) -> bool:
     """Whether variances are of a covariance, and known.
 
@@ -122,14 +89,56 @@ def axes_noise(name: str, variances: Sequence[float]) -> tuple[float, float, flo
     return math.sqrt(x), math.sqrt(y), math.sqrt(z)
 
 
-def scalar_noise(name: str, variance: float) -> float:
-    """Standard deviation, in its unit [SI]; 0 where unknown.
+@dataclass(frozen=True)
+class SensorNoise:
+    """Standard deviations of a measurement, as far as its source knows them; 0 where it does not.
 
-    Args:
-        name: Of the others of :class:`SensorNoise`.
-        variance: In the square of the unit [SI].
+    Attributes:
+        position: Of the position on each axis of ``map``, shape (3,), in [m].
+        velocity: Of the ground velocity on each axis of ``map``, shape (3,), in [m/s].
+        heading: In [rad].
+        path_angle: In [rad].
+        airspeed: In [m/s].
+
+    Raises:
+        MeasurementError: One is negative, not finite, or so large that it says nothing.
     """
-    return math.sqrt(variance) if 0.0 < variance <= NOISE_LIMITS[name] ** 2 else 0.0
+
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    heading: float = 0.0
+    path_angle: float = 0.0
+    airspeed: float = 0.0
+
+    @classmethod
+    def told(
+        cls, position: Sequence[float], velocity: Sequence[float], heading: float, path_angle: float
+    ) -> SensorNoise:
+        """Noise by the variances that a source tells, as far as they make sense.
+
+        Args:
+            position: Of three axes in [m^2].
+            velocity: Of three axes in [m^2/s^2].
+            heading: In [rad^2].
+            path_angle: In [rad^2].
+        """
+        angles = [
+            math.sqrt(variance) if 0.0 < variance <= NOISE_LIMITS[name] ** 2 else 0.0
+            for name, variance in (("heading", heading), ("path_angle", path_angle))
+        ]
+        axes = axes_noise("position", position), axes_noise("velocity", velocity)
+        return cls(*axes, *angles)
+
+    def __post_init__(self) -> None:
+        """Refuse what is no standard deviation."""
+        for name, limit in NOISE_LIMITS.items():
+            values = getattr(self, name)
+            axes = values if isinstance(values, tuple) else (values,)
+            wanted = 3 if name in ("position", "velocity") else 1
+            if len(axes) != wanted or not all(0.0 <= value <= limit for value in axes):
+                raise MeasurementError(
+                    f"noise of {name} is {values!r}, must be {wanted} in 0..{limit:g}, 0 if unknown"
+                )
 
 
 class Axis(Enum):

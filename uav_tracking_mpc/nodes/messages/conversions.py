@@ -47,15 +47,7 @@ from uav_tracking_mpc.dynamics.frames import (
     rotation_from_course,
     rotation_from_quaternion,
 )
-from uav_tracking_mpc.estimation.measurement import (
-    SILENT,
-    UNKNOWN,
-    Measurement,
-    SensorNoise,
-    axes_noise,
-    makes_sense,
-    scalar_noise,
-)
+from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise, makes_sense
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -123,16 +115,12 @@ def noise_from_odometry(message: Odometry, rotation: NDArray[np.float64]) -> Sen
     axes = rotation.tolist()
     (east, _, _), (north, _, _), _ = axes
     tilts = [pose[index] for index in TILT]
-    velocity = UNKNOWN
+    velocity: Sequence[float] = SILENT.velocity
     if makes_sense(twist[VARIANCES]):
         block = [twist[row] for row in BLOCK]
-        velocity = axes_noise("velocity", [_quadratic(block, axis) for axis in axes])
-    told = SensorNoise(
-        axes_noise("position", pose[VARIANCES]),
-        velocity,
-        scalar_noise("heading", pose[HEADING]),
-        scalar_noise("path_angle", _along(tilts, -north, east)),
-    )
+        velocity = [_quadratic(block, axis) for axis in axes]
+    tilt = _along(tilts, -north, east)
+    told = SensorNoise.told(pose[VARIANCES], velocity, pose[HEADING], tilt)
     return SILENT if told == SILENT else told
 
 

@@ -40,12 +40,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
-from uav_tracking_mpc.estimation.measurement import (
-    Measurement,
-    SensorNoise,
-    axes_noise,
-    scalar_noise,
-)
+from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
 from uav_tracking_mpc.parameters.registry import ExtensionError, ExtensionPoint
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
 from uav_tracking_mpc.settings.configuration import Configuration
@@ -163,12 +158,8 @@ class VehicleSensors:
 def _told(parameters: SimulatorParameters) -> SensorNoise:
     """Noise as the sensors tell it; what is beyond all measure is not told."""
     attitude = parameters.attitude_noise**2
-    return SensorNoise(
-        axes_noise("position", [parameters.position_noise**2] * 3),
-        axes_noise("velocity", [parameters.velocity_noise**2] * 3),
-        scalar_noise("heading", attitude),
-        scalar_noise("path_angle", attitude),
-    )
+    axes = [parameters.position_noise**2] * 3, [parameters.velocity_noise**2] * 3
+    return SensorNoise.told(*axes, attitude, attitude)
 
 
 FAILING = ("airspeed", "position", "heading", "velocity")
