@@ -414,8 +414,9 @@ def _step() -> ca.Function:
         doubts=air.doubts,
         position_noise=ca.sqrt(ca.fmax(metered_places.held, 0.0)),
     )
-    results = [MEMORY.joined(remembered), FOUND.joined(found)]
-    return ca.Function("air_estimate", [memory, measured], results)
+    return ca.Function(
+        "air_estimate", [memory, measured], [MEMORY.joined(remembered), FOUND.joined(found)]
+    )
 
 
 def _loose(heading: ca.SX, airspeed: ca.SX | float, across: ca.SX | float) -> ca.SX:

@@ -95,8 +95,7 @@ def smoothed(
     untold = (rates == 0.0) * ca.DM(UNTOLD_WALK)
     bb = bb + BIAS_WALK * spread + biased * untold * elapsed
     innovation = measured - value
-    for axis in range(ANGLES):
-        innovation[axis] = ca.remainder(innovation[axis], math.tau)
+    innovation[:ANGLES] = ca.remainder(innovation[:ANGLES], math.tau)
     sample = value + innovation - integral
     meters = METERS.metered(known.meters, elapsed, sample, told**2)
     total = xx + ca.fmax(meters.held, ca.DM(LEAST_NOISE) ** 2)

@@ -281,22 +281,21 @@ def followed(
     error = fresh * (position - place)
     step = ca.fmin(elapsed, 0.5 / FOLLOWED)  # else it would not come to rest
     velocity += FOLLOWED**2 * step * error
-    after = SimpleNamespace(place=place + 2.0 * FOLLOWED * step * error, velocity=velocity)
-    return after, velocity
+    place += 2.0 * FOLLOWED * step * error
+    return SimpleNamespace(place=place, velocity=velocity), velocity
 
 
 def _averaged(
     elapsed: ca.SX, turn_rate: ca.SX, before: ca.SX, air: ca.SX, steady: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
     """Air velocity followed slowly, without a lag where it turns steadily; and its turn rate."""
-    share = ca.fmin(elapsed / AVERAGING_TIME, 1.0)
     x, y, x_after, y_after = before[0], before[1], air[0], air[1]
     turned = ca.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
     turn_rate += (turned - elapsed * turn_rate) / AVERAGING_TIME
     turn = elapsed * turn_rate
     level = ca.cos(turn) * steady + ca.sin(turn) * _across(steady)
     turned_air = ca.vertcat(level[:2], steady[2])
-    return turned_air + share * (air - turned_air), turn_rate
+    return turned_air + ca.fmin(elapsed / AVERAGING_TIME, 1.0) * (air - turned_air), turn_rate
 
 
 def _beside(state: ca.SX, apart: ca.SX) -> ca.SX:
