@@ -230,7 +230,7 @@ ASKED = load_configuration("small_uav").controller  # airspeed of 14 to 32, 22 o
 def margins(*deviations, asked=ASKED):
     """What is flown by at each standard deviation; and the words."""
     events, flown = EventLog(), asked
-    margin = AirspeedMargin(events)
+    margin = AirspeedMargin(asked, events)
     for deviation in deviations:
         flown = margin.flown(asked, deviation) or flown
         yield flown, [event.words for event in events.take()]
@@ -292,7 +292,8 @@ def test_the_margin_ends_where_the_orbit_would_become_too_sharp():
 def test_an_airspeed_in_doubt_is_kept_as_far_from_the_limit(which, limit, asked, orbits):
     """Above the least one where it may be too high, below the greatest where it may be too low."""
     events, space = EventLog(), abs(asked - limit)
-    margin, asked = AirspeedMargin(events), changed(ASKED, {"airspeed": asked})
+    asked = changed(ASKED, {"airspeed": asked})
+    margin = AirspeedMargin(asked, events)
 
     def flown(doubt):
         return margin.flown(asked, 0.0, (0.0, doubt / MARGIN) if which else (doubt / MARGIN, 0.0))
@@ -319,9 +320,9 @@ def test_an_airspeed_that_is_not_known_is_kept_from_the_greatest_one_too():
 
 def test_other_parameters_do_not_hide_that_the_airspeed_is_known_again():
     events = EventLog()
-    margin = AirspeedMargin(events)
+    margin = AirspeedMargin(ASKED, events)
     for deviation in (2.0, 0.0, 2.0):
-        margin.forget()
+        margin.forget(ASKED)
         margin.flown(ASKED, deviation)
     unknown, known = "the airspeed is not known", "the airspeed is known again"
     words = [event.words.split(":")[0] for event in events.take()]
