@@ -203,7 +203,7 @@ def test_of_several_flights_each_figure_is_the_worst():
     assert (both.range_rms_m, both.range_mean_m, both.settling_s) == (0.4, -0.3, None)
     assert both.violations == {"bank": 2, "force": 1}
     assert both.softened == 8.0
-    assert worst([one]) is one
+    assert worst([one]) == one
 
 
 def lasting(duration):
