@@ -224,9 +224,10 @@ class Authority:
             "bank_max": (bank, min(asked.bank_max, bank + BANK.more)),
             "force_max": (force, tuple(min(each, least) for each in asked.force_max)),
         }
+        question = ": does the engine run?" if force < LEVEL else ""
         words = (
             f"the aircraft banks by {math.degrees(bank):.0f} deg at most, less than bank_max",
-            f"the aircraft gives {force:.1f} m/s^2 of force_max at most: does the engine run?",
+            f"the aircraft gives {force:.1f} m/s^2 at most, less than force_max{question}",
         )
         for index, (name, (most, value)) in enumerate(limits.items()):
             told = ""
