@@ -311,8 +311,9 @@ class Px4(AutopilotCore):
     def _arm(self, order: Order) -> int:
         if order.param1 not in (0.0, 1.0):
             return Result.UNSUPPORTED
-        blind = self.mode == "OFFBOARD" and not self._streaming
-        if blind if order.param1 == 1.0 else self.airframe.flying:  # disarming denied: not landed
+        if order.param1 == 0.0 and self.airframe.flying:
+            return Result.TEMPORARILY_REJECTED  # Disarming denied: not landed
+        if order.param1 == 1.0 and self.mode == "OFFBOARD" and not self._streaming:
             return Result.TEMPORARILY_REJECTED
         self.armed = order.param1 == 1.0
         return Result.ACCEPTED

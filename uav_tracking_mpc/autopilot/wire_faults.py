@@ -74,7 +74,8 @@ class AutopilotFault(StreamRule):
 class Mute(StreamRule):
     """The autopilot hears and is not heard."""
 
-    name, _lost = "mute", True  # of what it sends
+    name = "mute"
+    _lost = True  # of what it sends
 
     def deliver(self, stream: bool, piece: bytes) -> Sequence[Delivery]:
         """See :meth:`StreamRule.deliver`."""
@@ -84,7 +85,8 @@ class Mute(StreamRule):
 class Deaf(Mute):
     """The autopilot is heard and does not hear."""
 
-    name, _lost = "deaf", False
+    name = "deaf"
+    _lost = False
 
 
 class Garbage(StreamRule):
