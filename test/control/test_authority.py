@@ -45,7 +45,7 @@ def swinging(time):
 
 @pytest.mark.parametrize(
     ("asked", "most"),
-    [(lambda _: 0.8, 0.5), (lambda _: 0.4, 0.1), (lambda time: 0.3 + 0.02 * time, 0.4)],
+    [(lambda _: 0.8, 0.5), (lambda _: 0.4, 0.14), (lambda time: 0.3 + 0.02 * time, 0.4)],
     ids=["all that was told", "no gain explains it", "more and more"],
 )
 def test_a_ceiling_is_found_within_seconds_of_being_missed(asked, most):
@@ -60,6 +60,15 @@ def test_a_ceiling_is_found_within_seconds_of_being_missed(asked, most):
 @pytest.mark.parametrize("lag", [0.1, 0.5, 1.5])
 def test_neither_a_gain_nor_a_lag_is_a_ceiling(gain, lag):
     assert not ceilings(swinging, gain=gain, lag=lag)
+
+
+@pytest.mark.parametrize("swing", [0.0, 0.1])
+def test_a_gust_that_holds_the_wings_level_for_seconds_is_no_limit(swing):
+    """Nor does one that swings them about a bank which is much less than is asked for."""
+    ceiling, mean = Ceiling(BANK), 0.15 if swing else 0.0
+    for tick in range(200):
+        given = mean + swing * math.sin(2.0 * tick * TICK)
+        assert not ceiling.see(tick * TICK, 0.5, (given, given), TOLD, DELAY)
 
 
 def test_a_ceiling_that_is_no_more_is_given_up():

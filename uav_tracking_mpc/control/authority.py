@@ -49,21 +49,27 @@ class Scale(NamedTuple):
         same: Tolerance of what is given, in the quantity's unit.
         more: By how much more than the ceiling may be asked for, likewise: more than ``same``
             beside what plans keep back.
+        peak: By how much what is given may pass its mean meanwhile, likewise: gusts turn an
+            aircraft both ways, a limit is never passed.
+        least: The least ceiling, likewise.
     """
 
     missing: float
     same: float
     more: float
+    peak: float
+    least: float
 
 
-BANK = Scale(0.14, 0.02, 0.05)  # rad s, rad, rad
-FORCE = Scale(1.5, 0.25, 0.6)  # m/s, m/s^2, m/s^2
+BANK = Scale(0.14, 0.02, 0.05, 0.06, 0.1)  # rad s, rad, rad, rad, rad
+# m/s, m/s^2, m/s^2, m/s^2, m/s^2: gusts of a force are quick
+FORCE = Scale(2.0, 0.25, 0.6, math.inf, -math.inf)
 
 
 class _Span(NamedTuple):
     asked: float  # mean, in the quantity's unit
     given: float
-    lacks: bool  # whether so much less was given
+    lacks: bool  # whether so much less was given, and no more for a moment
 
 
 class Ceiling:
@@ -89,7 +95,11 @@ class Ceiling:
         """Begin a new span: what was before says nothing of what comes."""
         self._time = self._followed = math.nan
         self._before: _Span | None = None
+        self._begin()
+
+    def _begin(self) -> None:
         self._sums = np.zeros(4)  # of 1, of what is asked for, and of what is given, twice
+        self._peak = -math.inf
 
     def see(
         self, time: float, asked: float, given: tuple[float, float], told: float, delay: float
@@ -115,12 +125,15 @@ class Ceiling:
         self._followed += followed(elapsed, delay) * (asked - self._followed)
         self._time = time
         self._sums += elapsed * np.array([1.0, self._followed, *given])
+        self._peak = max(self._peak, *given)
         lasted, wanted, *had = self._sums.tolist()
         lacks = wanted - max(had) >= self._scale.missing
         if lasted < (SHORTEST if lacks else LONGEST):
             return False
-        before, now = self._before, _Span(wanted / lasted, max(had) / lasted, lacks)
-        self._sums = np.zeros(4)
+        mean = max(had) / lasted
+        now = _Span(wanted / lasted, mean, lacks and self._peak <= mean + self._scale.peak)
+        before = self._before
+        self._begin()
         found = before is not None and self._judge(before, now, told)
         if found or before is None or not self._goes_on(before, now):
             self._before = now
@@ -132,7 +145,7 @@ class Ceiling:
 
     def _judge(self, before: _Span, now: _Span, told: float) -> bool:
         """Whether two spans change the ceiling."""
-        _, same, more = self._scale
+        same, more = self._scale.same, self._scale.more
         if now.given > self.most + same:
             self.most = now.given + more
             if self.most + more >= told:
@@ -144,7 +157,7 @@ class Ceiling:
         )
         pushed = now.asked > min(before.asked + RISE * same, AT_LIMIT * told)
         shows = beyond or (pushed and self._goes_on(before, now))
-        if not shows or abs(now.given - self.most) <= same:
+        if not shows or now.given < self._scale.least or abs(now.given - self.most) <= same:
             return False
         self.most = now.given
         return True
