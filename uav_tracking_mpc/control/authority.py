@@ -51,7 +51,7 @@ class Scale(NamedTuple):
             beside what plans keep back.
         peak: By how much what is given may pass its mean meanwhile, likewise: gusts turn an
             aircraft both ways, a limit is never passed.
-        least: The least ceiling, likewise.
+        least: The least ceiling, likewise; below it, it is a gust.
     """
 
     missing: float
@@ -62,7 +62,7 @@ class Scale(NamedTuple):
 
 
 BANK = Scale(0.14, 0.02, 0.05, 0.06, 0.1)  # rad s, rad, rad, rad, rad
-# m/s, m/s^2, m/s^2, m/s^2, m/s^2: gusts of a force are quick
+# m/s, m/s^2, m/s^2, m/s^2, m/s^2: within a span a force changes with every gust, peaks say nothing
 FORCE = Scale(2.0, 0.25, 0.6, math.inf, -math.inf)
 
 
@@ -77,7 +77,8 @@ class Ceiling:
 
     It shows in two spans of time, in both of which less is given than asked for: by so much that no
     gain explains it; or in the second as much as in the first, although more is asked for than in
-    the first, or all that was told. If more is given after all, it rises.
+    the first, or all that was told. A span in which more is given for a moment shows none. If more
+    is given after all, it rises.
 
     Args:
         scale: Of the quantity.
@@ -111,7 +112,7 @@ class Ceiling:
             asked: What is commanded from now on, in the quantity's unit.
             given: Mean since the sample before, likewise, as measured in two ways, of which that
                 with the greater mean of a span counts.
-            told: The most that was told.
+            told: The most that was told, in the quantity's unit.
             delay: Lag plus dead time in [s].
 
         Returns:
@@ -198,7 +199,7 @@ class Authority:
         Args:
             measurement: Of the aircraft.
             air: (psi, chi, v) of the velocity through the air, shape (3,), in [rad] and [m/s].
-            inputs: (u_psi, u_chi, u_v), shape (3,), in [rad/s] and [m/s^2].
+            inputs: (u_psi, u_chi, u_v) at the aircraft's gains, shape (3,), in [rad/s] and [m/s^2].
             told: With the limits that were told.
             delays: Lag plus dead time of each channel in [s].
 

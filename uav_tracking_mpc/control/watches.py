@@ -275,7 +275,7 @@ class AirspeedMargin:
         """What is to be flown by from now on.
 
         Args:
-            asked: What the user wants.
+            asked: What the user wants, as far as the aircraft gives it.
             deviation: Standard deviation of the airspeed in [m/s]; 0 while it is measured.
             doubts: By how much a measured one may be too high, and too low, in [m/s].
 
