@@ -33,12 +33,18 @@ starts anew from the mixture below.
 
 Each axis has a noise and covariances of its own; what the axes have in common, as how far the modes
 are apart, counts on each of them alike.
+
+A step of all modes is one compiled function.
 """
 
 from __future__ import annotations
 
+import functools
+import itertools
 import math
+from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,6 +54,9 @@ from uav_tracking_mpc.estimation.target_motion import (
     bridged,
     singer_motion,
 )
+from uav_tracking_mpc.symbolic.functions import one_at_a_time
+from uav_tracking_mpc.symbolic.layout import Layout
+from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 QUIET, TURN = 0, 3  # of the modes: quiet, gentle, hard, turn
 AGILITIES = np.array([1e-3, 0.1, 1.0, 1.0])  # m/s^2, sigma_a of each
@@ -67,14 +76,19 @@ TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 # Velocity [m/s] and its variances on each axis [m^2/s^2], shape (3,) each.
 Motion = tuple[NDArray[np.float64], NDArray[np.float64]]
 
-_LEAVING = -RATES.sum(axis=1)
-_CHANGES = RATES / RATES.sum(axis=1, keepdims=True) - np.eye(len(RATES))
-_SQUARES = AGILITIES[:, np.newaxis, np.newaxis, np.newaxis] ** 2  # m^2/s^4
-_TURN_POWERS = np.array([[2.0, 1.0], [1.0, 0.0]])  # -, of the time, in the entries of Q
-_TURN_SHARES = np.array([[1.0 / 3.0, 0.5], [0.5, 1.0]])  # -, likewise
-_IDENTITY = np.eye(3)  # -
-_SELECT = np.eye(2, 3)[:, np.newaxis, :]  # H of the position and of the velocity
 LEVEL = slice(0, 2)  # of the axes
+COUNT, AXES = len(AGILITIES), range(3)
+# Of each mode (p, v, a), each of three axes, and the covariance of (p, v, a) on each axis; and the
+# same of the mixture of all of them.
+TRACK = Layout(
+    states=9 * COUNT, covariances=27 * COUNT, probabilities=COUNT, state=9, covariance=27
+)  # fmt: skip
+# Which derivative of the position is measured, as a row of (p, v, a); the measurement and its
+# variances, the gate, whether they are doubted; F and Q of the time since the one before, and F of
+# the states, whose velocity may fade.
+SEEN = Layout(
+    elapsed=1, row=3, measured=3, variances=3, gate=1, doubted=1, transition=9, noise=9, carried=9
+)
 
 
 class TargetTrack:
@@ -104,19 +118,25 @@ class TargetTrack:
         agility: float,
         speed: float,
     ) -> None:
-        count = len(AGILITIES)
         self.time, self.count = time, 1
         self.turn_rate = 0.0
-        self._states = np.zeros((count, 3, 3))
-        self._states[:, 0] = position
-        self._covariances = np.zeros((count, 3, 3, 3))
+        self._memory = np.zeros(TRACK.size)
+        known = TRACK.parts(self._memory)
+        self._states = known.states.reshape(COUNT, 3, 3)
+        self._covariances = known.covariances.reshape(COUNT, 3, 3, 3)
+        self.state, self.covariances = known.state.reshape(3, 3), known.covariance.reshape(3, 3, 3)
+        self.probabilities = known.probabilities
+        self._states[:, 0] = self.state[0] = position
         self._covariances[..., 0, 0] = variances
         self._covariances[..., 1, 1] = speed**2
         self._covariances[..., 2, 2] = AGILITIES[:, np.newaxis] ** 2
         # The modes whose agility is nearest, by its logarithm; none begins with a turn.
         nearness = -0.5 * np.log(AGILITIES / agility) ** 2
         nearness[TURN] = -math.inf
-        self._weigh(nearness)
+        weights = np.maximum(np.exp(nearness - nearness.max()), PROBABILITY_MIN)
+        self.probabilities[:] = weights / weights.sum()
+        self.covariances[:] = np.tensordot(self.probabilities, self._covariances, 1)
+        self._step = NativeFunction(_step(), [self._memory])
 
     @property
     def agility(self) -> float:
@@ -171,16 +191,8 @@ class TargetTrack:
                 as noise of this position and of the one before, not as motion.
         """
         elapsed, gate = time - self.time, gate * (SECOND if self.count == 1 else 1.0)
-        predicted, states, covariances = self._predicted(elapsed)
-        innovations = position - states[:, 0]
-        squares = innovations * innovations
-        if not ((squares / (covariances[..., 0, 0] + variances)).sum(axis=1) <= gate).any():
+        if not self._see(0, position, variances, gate, elapsed, doubted):
             return False
-        if doubted:
-            variances = np.maximum(variances, squares[QUIET].mean())
-            covariances[..., 0, 0] = np.maximum(covariances[..., 0, 0], variances)
-        self._states, self._covariances = states, covariances
-        self._weigh(np.log(predicted) + self._correct(0, innovations, variances))
         self.time, self.count = time, self.count + 1
         if motion is not None:
             self.see_velocity(*motion, gate)
@@ -197,71 +209,40 @@ class TargetTrack:
             variances: On each axis, shape (3,), in [m^2/s^2].
             gate: Greatest squared normalised innovation of the mode that explains it best, [-].
         """
-        innovations = velocity - self._states[:, 1]
-        expected = self._covariances[..., 1, 1] + variances
-        if ((innovations * innovations / expected).sum(axis=1) <= gate).any():
-            likelihoods = self._correct(1, innovations, variances)
-            self._weigh(np.log(self.probabilities) + likelihoods)
+        self._see(1, velocity, variances, gate)
 
-    def _predicted(
-        self, elapsed: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Probability, state and covariance of each mode after a time, before it is corrected."""
-        leaving = np.array([-math.expm1(rate * elapsed) for rate in _LEAVING.tolist()])
-        changes = _CHANGES * (leaving * self.probabilities)[:, np.newaxis]
-        changes.ravel()[:: len(leaving) + 1] += self.probabilities
-        predicted = changes.sum(axis=0)
-        shares = (changes / predicted).T
-        if self.probabilities[QUIET] > QUIET_LEAST:
-            shares[QUIET], shares[QUIET, QUIET] = 0.0, 1.0
-        states, covariances = _mixtures(shares, self._states - self.state, self._covariances)
-        states += self.state
-
+    def _see(
+        self,
+        order: int,
+        measured: NDArray[np.float64],
+        variances: NDArray[np.float64],
+        gate: float,
+        elapsed: float = 0.0,
+        doubted: bool = False,
+    ) -> bool:
+        """Whether a measured derivative of order 0 or 1 is taken in: else nothing changes."""
         transition, noise = singer_motion(elapsed)
-        covariances = transition @ covariances @ transition.T + _SQUARES * noise
-        # The velocity becomes another one at a moment of the interval that is not known.
-        (vx, vy, vz) = self.state[1].tolist()
-        square = max(TURN_SPEED**2, vx * vx + vy * vy + vz * vz)
-        covariances[TURN, :, :2, :2] += square * _TURN_SHARES * elapsed**_TURN_POWERS
-        if elapsed <= self.held:
-            return predicted, transition @ states, covariances
-        travelled, left = bridged(elapsed, self.held)
-        states = singer_motion(travelled)[0] @ states
-        states[:, 1:] *= left
-        return predicted, states, covariances
-
-    def _correct(
-        self, order: int, innovations: NDArray[np.float64], variances: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Kalman correction by a measured derivative of order 0 or 1; log-likelihoods."""
-        covariances, squares = self._covariances, innovations * innovations
-        own = covariances[..., order, order]
-        total, wide = own + variances, own + OUTLIER_VARIANCE * variances
-        usual = -0.5 * (np.log(total) + squares / total).sum(axis=1)
-        unusual = OUTLIER_WEIGHT - 0.5 * (np.log(wide) + squares / wide).sum(axis=1)
-        likelihoods = np.logaddexp(usual, unusual)
-        # The information of a measurement that may be an outlier is the mean of both.
-        outlier = np.exp(unusual - likelihoods)[:, np.newaxis]
-        noise = variances / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
-        gains = covariances[..., order] / (own + noise)[..., np.newaxis]
-        columns = gains[..., np.newaxis]
-        self._states = self._states + gains.swapaxes(1, 2) * innovations[:, np.newaxis, :]
-        # Joseph's form, and what was rounded off where a correction takes nearly all away.
-        remaining = _IDENTITY - columns * _SELECT[order]
-        corrected = remaining @ covariances @ remaining.swapaxes(2, 3)
-        corrected += noise[..., np.newaxis, np.newaxis] * columns * gains[..., np.newaxis, :]
-        corrected += ROUNDING * _IDENTITY * covariances
-        self._covariances = 0.5 * (corrected + corrected.swapaxes(2, 3))
-        return likelihoods
-
-    def _weigh(self, logarithms: NDArray[np.float64]) -> None:
-        """Probabilities from their logarithms, up to a common term; the mixture of all modes."""
-        weights = np.maximum(np.exp(logarithms - logarithms.max()), PROBABILITY_MIN)
-        self.probabilities = weights / weights.sum()
-        origin = self._states[QUIET]
-        shares = self.probabilities[np.newaxis]
-        states, covariances = _mixtures(shares, self._states - origin, self._covariances)
-        self.state, self.covariances = states[0] + origin, covariances[0]
+        carried = transition
+        if elapsed > self.held:
+            travelled, left = bridged(elapsed, self.held)
+            carried = singer_motion(travelled)[0] * [[1.0], [left], [left]]
+        SEEN.fill(
+            self._step.arguments[1],
+            elapsed=elapsed,
+            row=np.eye(3)[order],
+            measured=measured,
+            variances=variances,
+            gate=gate,
+            doubted=doubted,
+            transition=transition.ravel(),
+            noise=noise.ravel(),
+            carried=carried.ravel(),
+        )
+        self._step.evaluate()
+        after, taken = self._step.results
+        if taken[0]:
+            self._memory[:] = after
+        return bool(taken[0])
 
     def _average_turn(self, elapsed: float) -> None:
         (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
@@ -271,20 +252,113 @@ class TargetTrack:
         self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
 
 
+@functools.cache
+@one_at_a_time
+def _step() -> ca.Function:
+    """The track after a measurement, and whether that is within the gate."""
+    memory, known = TRACK.symbol("track")
+    told, seen = SEEN.symbol("seen")
+    transition, noise, carried = (
+        ca.reshape(each, 3, 3).T for each in (seen.transition, seen.noise, seen.carried)
+    )
+    # The probabilities, and what each mode is a mixture of
+    leaving = -ca.expm1(-seen.elapsed * RATES.sum(axis=1)) * known.probabilities
+    changes = ca.diag(known.probabilities)
+    changes += ca.diag(leaving) @ (RATES / RATES.sum(axis=1, keepdims=True) - np.eye(COUNT))
+    predicted = ca.sum1(changes).T
+    shares = (changes @ ca.diag(1.0 / predicted)).T
+    alone = known.probabilities[QUIET] > QUIET_LEAST
+    shares[QUIET, :] = ca.if_else(alone, np.eye(COUNT)[[QUIET]], shares[QUIET, :])
+    # A row an axis, here and below
+    begun = [ca.reshape(each, 3, 3) for each in ca.vertsplit(known.states, 9)]
+    squares = [ca.reshape(each, 3, 3) for each in ca.vertsplit(known.covariances, 9)]
+    axes_of = [squares[3 * mode : 3 * mode + 3] for mode in range(COUNT)]
+    states, covariances = _mixtures(shares, begun, axes_of, known.state)
+
+    # Singer's motion; a turn changes the velocity at a moment of the interval that is not known.
+    states, t = [state @ carried.T for state in states], seen.elapsed
+    square = (t > 0.0) * ca.fmax(TURN_SPEED**2, ca.sumsqr(known.state[3:6]))
+    turn = square * ca.blockcat([[t**2 / 3.0, t / 2.0, 0.0], [t / 2.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    spreads = [agility**2 * noise for agility in AGILITIES.tolist()]
+    spreads[TURN] += turn
+    covariances = [
+        [transition @ each @ transition.T + spread for each in axes]
+        for axes, spread in zip(covariances, spreads, strict=True)
+    ]
+
+    row, variances = seen.row, seen.variances
+    innovations = [seen.measured - state @ row for state in states]
+    explained = [
+        ca.sum1(innovation**2 / (_along(axes, row) + variances))
+        for innovation, axes in zip(innovations, covariances, strict=True)
+    ]
+    taken = ca.mmin(ca.vertcat(*explained)) <= seen.gate
+    scatter = ca.fmax(variances, ca.sumsqr(innovations[QUIET]) / 3.0)
+    variances = ca.if_else(seen.doubted, scatter, variances)
+    for axes in covariances:
+        for axis, each in enumerate(axes):
+            most = ca.fmax(each[0, 0], variances[axis])
+            each[0, 0] = ca.if_else(seen.doubted, most, each[0, 0])
+
+    likelihoods, after, corrected = [], [], []
+    for state, axes, innovation in zip(states, covariances, innovations, strict=True):
+        own = _along(axes, row)
+        total, wide, error = own + variances, own + OUTLIER_VARIANCE * variances, innovation**2
+        usual = -0.5 * ca.sum1(ca.log(total) + error / total)
+        unusual = OUTLIER_WEIGHT - 0.5 * ca.sum1(ca.log(wide) + error / wide)
+        most = ca.fmax(usual, unusual)
+        likelihoods.append(most + ca.log1p(ca.exp(-ca.fabs(usual - unusual))))
+        # The information of a measurement that may be an outlier is the mean of both.
+        outlier = ca.exp(unusual - likelihoods[-1])
+        scattered = variances / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
+        gains = [axes[k] @ row / (own[k] + scattered[k]) for k in AXES]
+        after.append(state + ca.horzcat(*[gains[k] * innovation[k] for k in AXES]).T)
+        corrected.append([_joseph(axes[k], gains[k], scattered[k], row) for k in AXES])
+    logarithms = ca.log(predicted) + ca.vertcat(*likelihoods)
+    weights = ca.fmax(ca.exp(logarithms - ca.mmax(logarithms)), PROBABILITY_MIN)
+    probabilities = weights / ca.sum1(weights)
+    (state,), (covariance,) = _mixtures(probabilities.T, after, corrected, after[QUIET])
+    whole = [*after, *itertools.chain(*corrected), probabilities, state, *covariance]
+    whole = ca.densify(ca.vertcat(*[ca.vec(each) for each in whole]))
+    return ca.Function("target_track", [memory, told], [whole, taken], {"cse": True})
+
+
+def _along(axes: list[ca.SX], row: ca.SX) -> ca.SX:
+    """Variances of what a row selects, shape (3,)."""
+    return ca.vertcat(*[row.T @ each @ row for each in axes])
+
+
+def _joseph(covariance: ca.SX, gain: ca.SX, noise: ca.SX, row: ca.SX) -> ca.SX:
+    """Joseph's form, and what was rounded off where a correction takes nearly all away."""
+    remaining = ca.SX.eye(3) - gain @ row.T
+    after = remaining @ covariance @ remaining.T + noise * (gain @ gain.T)
+    after += ROUNDING * ca.diag(ca.diag(covariance))
+    return 0.5 * (after + after.T)
+
+
 def _mixtures(
-    shares: NDArray[np.float64], states: NDArray[np.float64], covariances: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    shares: ca.SX, states: list[Any], covariances: list[list[Any]], origin: ca.SX
+) -> tuple[list[Any], list[list[Any]]]:
     """Mean and covariances of mixtures; by how far the modes are apart, averaged over the axes.
 
     Args:
         shares: Of each mode in each mixture, shape (n, 4).
-        states: Of the modes, shape (4, 3, 3).
-        covariances: Of the modes on each axis, shape (4, 3, 3, 3).
+        states: Of the modes, a row an axis.
+        covariances: Of the modes and axes.
+        origin: A state near them, of which they differ by little.
     """
-    count = len(shares)
-    means = (shares @ states.reshape(-1, 9)).reshape(count, 3, 3)
-    # sum_i w_i (x_i - m) (x_i - m)' as one product: the columns are modes and axes.
-    apart = (states - means[:, np.newaxis]) * np.sqrt(shares / 3.0)[:, :, np.newaxis, np.newaxis]
-    apart = apart.transpose(0, 2, 1, 3).reshape(count, 3, -1)
-    spread = (shares @ covariances.reshape(-1, 27)).reshape(count, 3, 3, 3)
-    return means, spread + (apart @ apart.swapaxes(1, 2))[:, np.newaxis]
+    beside = [state - ca.reshape(origin, 3, 3) for state in states]
+    means, mixed = [], []
+    for row in ca.vertsplit(shares):
+        weights = ca.horzsplit(row)
+        mean = sum(weight * each for weight, each in zip(weights, beside, strict=True))
+        apart = [each - mean for each in beside]
+        spread = sum(w * (each.T @ each) for w, each in zip(weights, apart, strict=True)) / 3.0
+        means.append(mean + ca.reshape(origin, 3, 3))
+        mixed.append(
+            [
+                sum(w * axes[axis] for w, axes in zip(weights, covariances, strict=True)) + spread
+                for axis in AXES
+            ]
+        )
+    return means, mixed
