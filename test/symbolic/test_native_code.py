@@ -146,9 +146,14 @@ def test_where_it_cannot_be_made_or_kept_the_function_is_evaluated(
     assert f"is {words}: the disk is full" in caplog.text
 
 
-def test_an_operation_without_a_translation_is_refused(empty):
+def test_an_operation_without_a_translation_is_left_to_casadi(empty):
+    function = ca.Function("unknown", [X], [ca.erf(X)])
     with pytest.raises(NotImplementedError, match="operation .* has no translation"):
-        MachineCode(ca.Function("unknown", [X], [ca.erf(X)]))
+        MachineCode(function)
+    native = NativeFunction(function)
+    native.arguments[0][:] = 0.5
+    native.evaluate()
+    assert native.results[0] == math.erf(0.5)
 
 
 def test_others_can_write_where_machine_code_of_ours_is_not_looked_for(empty):

@@ -36,7 +36,8 @@ from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, U
 from uav_tracking_mpc.estimation.situation import Forecast, Situation
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
+from uav_tracking_mpc.symbolic.functions import one_at_a_time
+from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 ROUNDING = 1e-9  # -, of a count of steps
@@ -95,7 +96,7 @@ class Navigator:
         self._history = CommandHistory(0.0)
         self.engaged, self.claimed = True, False
         self._estimating, self._model = parameters.air_estimation, parameters.vehicle
-        self._step = BufferedFunction(step_function(self._model))
+        self._step = NativeFunction(step_function(self._model))
         self.air.holds_altitude = self._model.commanded == 1
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         self._times = np.zeros(parameters.horizon + 2)

@@ -30,7 +30,7 @@ from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_o
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver
 from uav_tracking_mpc.settings.tracking import FlightParameters
-from uav_tracking_mpc.symbolic.functions import BufferedFunction
+from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 # -, share of the wanted range, range and airspeed at which the penalty of the artificial orbit's
 # offset turns from quadratic to linear. Steep near the wanted orbit, or errors would be shared
@@ -69,12 +69,12 @@ class FlightFormulation:
         self.flight = flight_problem(parameters)
         self.solver = solver or make_solver(self.flight.problem, parameters)
         self._data = np.zeros((self._stages + 1, self.flight.size))
-        self._turn_acceleration = BufferedFunction(
+        self._turn_acceleration = NativeFunction(
             self.flight.turn_acceleration, [None, self._data[0]]
         )
         commands = self.flight.commands.map(self._stages).expand()
-        self._commands = BufferedFunction(commands, [None, self._data[:-1]])
-        self._law_stage = BufferedFunction(self.flight.law_stage)
+        self._commands = NativeFunction(commands, [None, self._data[:-1]])
+        self._law_stage = NativeFunction(self.flight.law_stage)
         # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on, and
         # the height above the target with which it ends [m].
         self._held: tuple[float, float, float] | None = None

@@ -22,6 +22,7 @@ evaluates; what has been made is kept, and loaded in milliseconds from then on.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import functools
 import hashlib
@@ -59,30 +60,31 @@ LIBRARY = {
 class NativeFunction(BufferedFunction):
     """A function on arrays of its own, as machine code as soon as there is some.
 
+    CasADi goes on with one that has an operation without a translation, as a user's model may.
+
     Args:
         function: Of dense arguments and results.
         arguments: See :class:`BufferedFunction`.
-
-    Raises:
-        NotImplementedError: It has an operation that has no translation.
     """
 
     def __init__(
         self, function: ca.Function, arguments: Sequence[NDArray[np.float64] | None] = ()
     ) -> None:
         super().__init__(function, arguments)
-        self._code = machine_code(function)
+        self._code: MachineCode | None = None
+        with contextlib.suppress(NotImplementedError):
+            self._code = machine_code(function)
         arrays = [*self.arguments, *self.results]
         self._addresses = np.array([array.ctypes.data for array in arrays], np.uintp)
         self._place = self._addresses.ctypes.data
 
     def evaluate(self) -> None:
         """Write the results of the arguments as they are."""
-        run = self._code.run
-        if run is None:
+        code = self._code
+        if code is None or code.run is None:
             super().evaluate()
         else:
-            run(self._place)
+            code.run(self._place)
 
 
 class MachineCode:
