@@ -78,7 +78,8 @@ class Ceiling:
     It shows in two spans of time, in both of which less is given than asked for: by so much that no
     gain explains it; or in the second as much as in the first, although more is asked for than in
     the first, or all that was told. A span in which more is given for a moment shows none. If more
-    is given after all, it rises.
+    is given after all, it rises beyond that; if what it has risen by is asked for and not given, it
+    falls back to what is.
 
     Args:
         scale: Of the quantity.
@@ -89,7 +90,7 @@ class Ceiling:
 
     def __init__(self, scale: Scale) -> None:
         self._scale = scale
-        self.most = math.inf
+        self.most = self._gave = math.inf  # the latter when it rose
         self.interrupt()
 
     def interrupt(self) -> None:
@@ -148,7 +149,7 @@ class Ceiling:
         """Whether two spans change the ceiling."""
         same, more = self._scale.same, self._scale.more
         if now.given > self.most + same:
-            self.most = now.given + more
+            self.most, self._gave = now.given + more, now.given
             if self.most + more >= told:
                 self.most = math.inf
             return True
@@ -157,7 +158,8 @@ class Ceiling:
             span.lacks and span.asked > max(0.0, span.given / LEAST_GAIN) for span in spans
         )
         pushed = now.asked > min(before.asked + RISE * same, AT_LIMIT * told)
-        shows = beyond or (pushed and self._goes_on(before, now))
+        risen = now.asked > self.most and now.given >= self._gave - same
+        shows = beyond or ((pushed or risen) and self._goes_on(before, now))
         if not shows or now.given < self._scale.least or abs(now.given - self.most) <= same:
             return False
         self.most = now.given

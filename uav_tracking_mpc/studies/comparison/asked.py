@@ -441,6 +441,8 @@ ASKED = {
     "delay_200": _LATER,
     "delay_400": replace(_LATER, after=140.0),
     "second_order_roll": Asked(0.5, math.inf, swing=3.0, shaken=True),
+    # A way in at 45 deg of bank overshoots; on the orbit a limit that is known leaves little.
+    "bank_15": Asked(1.5, 3.0),
     "weaving_target": Asked(math.inf, math.inf, limits=False, unswung=True),
     "tight_gale": Asked(1.5, 1.5, relative=BETTER),
     "zigzag": Asked(0.8, 1.5, relative=BETTER),

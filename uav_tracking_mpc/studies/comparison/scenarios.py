@@ -285,6 +285,7 @@ MISMATCHES = {
     "second_order_roll": Mismatch(
         _simulator(roll_frequency=ROLL[0], roll_damping=ROLL[1]), told=_roll
     ),
+    "bank_15": Mismatch(_simulator(bank_max=math.radians(15.0))),
     "weaving_target": Mismatch(
         _target(motion="weaving"), varied=(_TARGET, "weave_period"), values=WEAVING_PERIODS
     ),
