@@ -42,6 +42,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -258,34 +259,7 @@ def _step() -> ca.Function:
     """The track after a measurement, and whether that is within the gate."""
     memory, known = TRACK.symbol("track")
     told, seen = SEEN.symbol("seen")
-    transition, noise, carried = (
-        ca.reshape(each, 3, 3).T for each in (seen.transition, seen.noise, seen.carried)
-    )
-    # The probabilities, and what each mode is a mixture of
-    leaving = -ca.expm1(-seen.elapsed * RATES.sum(axis=1)) * known.probabilities
-    changes = ca.diag(known.probabilities)
-    changes += ca.diag(leaving) @ (RATES / RATES.sum(axis=1, keepdims=True) - np.eye(COUNT))
-    predicted = ca.sum1(changes).T
-    shares = (changes @ ca.diag(1.0 / predicted)).T
-    alone = known.probabilities[QUIET] > QUIET_LEAST
-    shares[QUIET, :] = ca.if_else(alone, np.eye(COUNT)[[QUIET]], shares[QUIET, :])
-    # A row an axis, here and below
-    begun = [ca.reshape(each, 3, 3) for each in ca.vertsplit(known.states, 9)]
-    squares = [ca.reshape(each, 3, 3) for each in ca.vertsplit(known.covariances, 9)]
-    axes_of = [squares[3 * mode : 3 * mode + 3] for mode in range(COUNT)]
-    states, covariances = _mixtures(shares, begun, axes_of, known.state)
-
-    # Singer's motion; a turn changes the velocity at a moment of the interval that is not known.
-    states, t = [state @ carried.T for state in states], seen.elapsed
-    square = (t > 0.0) * ca.fmax(TURN_SPEED**2, ca.sumsqr(known.state[3:6]))
-    turn = square * ca.blockcat([[t**2 / 3.0, t / 2.0, 0.0], [t / 2.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
-    spreads = [agility**2 * noise for agility in AGILITIES.tolist()]
-    spreads[TURN] += turn
-    covariances = [
-        [transition @ each @ transition.T + spread for each in axes]
-        for axes, spread in zip(covariances, spreads, strict=True)
-    ]
-
+    probabilities, states, covariances = _predicted(known, seen)
     row, variances = seen.row, seen.variances
     innovations = [seen.measured - state @ row for state in states]
     explained = [
@@ -300,6 +274,7 @@ def _step() -> ca.Function:
             most = ca.fmax(each[0, 0], variances[axis])
             each[0, 0] = ca.if_else(seen.doubted, most, each[0, 0])
 
+    # Kalman corrections
     likelihoods, after, corrected = [], [], []
     for state, axes, innovation in zip(states, covariances, innovations, strict=True):
         own = _along(axes, row)
@@ -310,17 +285,51 @@ def _step() -> ca.Function:
         likelihoods.append(most + ca.log1p(ca.exp(-ca.fabs(usual - unusual))))
         # The information of a measurement that may be an outlier is the mean of both.
         outlier = ca.exp(unusual - likelihoods[-1])
-        scattered = variances / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
-        gains = [axes[k] @ row / (own[k] + scattered[k]) for k in AXES]
+        noise = variances / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
+        gains = [axes[k] @ row / (own[k] + noise[k]) for k in AXES]
         after.append(state + ca.horzcat(*[gains[k] * innovation[k] for k in AXES]).T)
-        corrected.append([_joseph(axes[k], gains[k], scattered[k], row) for k in AXES])
-    logarithms = ca.log(predicted) + ca.vertcat(*likelihoods)
+        corrected.append([_joseph(axes[k], gains[k], noise[k], row) for k in AXES])
+    logarithms = ca.log(probabilities) + ca.vertcat(*likelihoods)
     weights = ca.fmax(ca.exp(logarithms - ca.mmax(logarithms)), PROBABILITY_MIN)
     probabilities = weights / ca.sum1(weights)
     (state,), (covariance,) = _mixtures(probabilities.T, after, corrected, after[QUIET])
     whole = [*after, *itertools.chain(*corrected), probabilities, state, *covariance]
     whole = ca.densify(ca.vertcat(*[ca.vec(each) for each in whole]))
     return ca.Function("target_track", [memory, told], [whole, taken], {"cse": True})
+
+
+def _predicted(
+    known: SimpleNamespace, seen: SimpleNamespace
+) -> tuple[ca.SX, list[Any], list[list[Any]]]:
+    """Probabilities, states and covariances of the modes after a time, before a correction.
+
+    A state has a row an axis, here and below.
+    """
+    transition, noise, carried = (
+        ca.reshape(each, 3, 3).T for each in (seen.transition, seen.noise, seen.carried)
+    )
+    leaving = -ca.expm1(-seen.elapsed * RATES.sum(axis=1)) * known.probabilities
+    changes = ca.diag(known.probabilities)
+    changes += ca.diag(leaving) @ (RATES / RATES.sum(axis=1, keepdims=True) - np.eye(COUNT))
+    probabilities = ca.sum1(changes).T
+    shares = (changes @ ca.diag(1.0 / probabilities)).T  # in what each mode begins as
+    alone = known.probabilities[QUIET] > QUIET_LEAST
+    shares[QUIET, :] = ca.if_else(alone, np.eye(COUNT)[[QUIET]], shares[QUIET, :])
+    begun = [ca.reshape(each, 3, 3) for each in ca.vertsplit(known.states, 9)]
+    squares = [ca.reshape(each, 3, 3) for each in ca.vertsplit(known.covariances, 9)]
+    axes_of = [squares[3 * mode : 3 * mode + 3] for mode in range(COUNT)]
+    states, covariances = _mixtures(shares, begun, axes_of, known.state)
+    # Singer's motion; a turn changes the velocity at a moment of the interval that is not known.
+    t = seen.elapsed
+    square = (t > 0.0) * ca.fmax(TURN_SPEED**2, ca.sumsqr(known.state[3:6]))
+    turn = square * ca.blockcat([[t**2 / 3.0, t / 2.0, 0.0], [t / 2.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    spreads = [agility**2 * noise for agility in AGILITIES.tolist()]
+    spreads[TURN] += turn
+    covariances = [
+        [transition @ each @ transition.T + spread for each in axes]
+        for axes, spread in zip(covariances, spreads, strict=True)
+    ]
+    return probabilities, [state @ carried.T for state in states], covariances
 
 
 def _along(axes: list[ca.SX], row: ca.SX) -> ca.SX:
