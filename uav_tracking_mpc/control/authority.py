@@ -37,6 +37,7 @@ LONGEST_GAP = 0.5  # s between two commands; after a longer one it begins anew
 SHORTEST, LONGEST = 2.0, 5.0  # s, of a span
 AT_LIMIT = 0.9  # -, share of what was told that counts as all of it
 LEAST_GAIN = 0.4  # -, of a channel that follows
+NEARLY_HALF = 0.4  # -
 RISE = 5.0  # -, times the tolerance, by which more must be asked for
 LEVEL = 0.25  # m/s^2, of force that is always counted on: without it no level orbit is left
 
@@ -47,8 +48,9 @@ class Scale(NamedTuple):
     Attributes:
         missing: What is asked for and not given, integrated, in the quantity's unit times [s].
         same: Tolerance of what is given, in the quantity's unit.
-        more: By how much more than the ceiling may be asked for, likewise: more than ``same``
-            beside what plans keep back.
+        more: By how much more than the ceiling may be asked for, likewise: if nearly half of it is
+            given, there is more.
+        step: By how much more than what is given then the ceiling rises, likewise.
         peak: By how much what is given may pass its mean meanwhile, likewise: gusts turn an
             aircraft both ways, a limit is never passed.
         least: The least ceiling, likewise; below it, it is a gust.
@@ -57,13 +59,14 @@ class Scale(NamedTuple):
     missing: float
     same: float
     more: float
+    step: float
     peak: float
     least: float
 
 
-BANK = Scale(0.14, 0.02, 0.05, 0.06, 0.1)  # rad s, rad, rad, rad, rad
-# m/s, m/s^2, m/s^2, m/s^2, m/s^2: within a span a force changes with every gust, peaks say nothing
-FORCE = Scale(2.0, 0.25, 0.6, math.inf, -math.inf)
+BANK = Scale(0.14, 0.02, 0.02, 0.1, 0.06, 0.1)  # rad s, and rad
+# m/s, and m/s^2: within a span a force changes with every gust, peaks say nothing
+FORCE = Scale(2.0, 0.25, 0.6, 0.6, math.inf, -math.inf)
 
 
 class _Span(NamedTuple):
@@ -147,10 +150,10 @@ class Ceiling:
 
     def _judge(self, before: _Span, now: _Span, told: float) -> bool:
         """Whether two spans change the ceiling."""
-        same, more = self._scale.same, self._scale.more
-        if now.given > self.most + same:
-            self.most, self._gave = now.given + more, now.given
-            if self.most + more >= told:
+        same = self._scale.same
+        if now.given > self.most + NEARLY_HALF * self._scale.more:
+            self.most, self._gave = now.given + self._scale.step, now.given
+            if self.most + self._scale.more >= told:
                 self.most = math.inf
             return True
         spans = before, now
@@ -158,7 +161,7 @@ class Ceiling:
             span.lacks and span.asked > max(0.0, span.given / LEAST_GAIN) for span in spans
         )
         pushed = now.asked > min(before.asked + RISE * same, AT_LIMIT * told)
-        risen = now.asked > self.most and now.given >= self._gave - same
+        risen = now.given >= self._gave - same
         shows = beyond or ((pushed or risen) and self._goes_on(before, now))
         if not shows or now.given < self._scale.least or abs(now.given - self.most) <= same:
             return False
