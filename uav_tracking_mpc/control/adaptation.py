@@ -70,7 +70,7 @@ class ResponseAdaptation:
         self._engaged = True
         self._stamp = 0.0
         self._learns_from: float | None = -math.inf  # s; None: from the next state on
-        self._seen: tuple[Measurement, bool] | None = None  # not yet learnt from; so is
+        self._seen: tuple[Measurement, bool, float] | None = None  # not yet learnt from; so is
         self._sent: tuple[float, float, NDArray[np.float64], float, float] | None = None
         self._begin()
 
@@ -162,7 +162,11 @@ class ResponseAdaptation:
         return float(self.flown.lags[axis] + self.flown.dead_times[axis])
 
     def see(
-        self, measurement: Measurement, vehicle: NDArray[np.float64], airspeed_measured: bool
+        self,
+        measurement: Measurement,
+        vehicle: NDArray[np.float64],
+        airspeed_measured: bool,
+        gusts: float = 0.0,
     ) -> None:
         """Take in a measurement; :meth:`learn` learns from it.
 
@@ -170,13 +174,14 @@ class ResponseAdaptation:
             measurement: Of the aircraft.
             vehicle: (x, y, z, psi, chi, v), shape (6,).
             airspeed_measured: Whether v is measured.
+            gusts: Intensity of level gusts in [m^2/s^3]; 0 where nothing is known of them.
         """
         self.learn()
         self._air, self._stamp = vehicle[3:].tolist(), measurement.stamp
         if self._engaged:
             over = self._stamp + TAKING_OVER  # also where time has gone back since
             self._learns_from = over if self._learns_from is None else min(self._learns_from, over)
-        self._seen = measurement, airspeed_measured
+        self._seen = measurement, airspeed_measured, gusts
 
     def commanded(
         self,
@@ -210,7 +215,7 @@ class ResponseAdaptation:
         self._seen = self._sent = None
         *_, airspeed = self._air
         if seen is not None and self.enabled:
-            measurement, airspeed_measured = seen
+            measurement, airspeed_measured, gusts = seen
             self.estimator.see(
                 measurement.stamp,
                 measurement.turn_rate,
@@ -226,7 +231,8 @@ class ResponseAdaptation:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
             if seen is not None and airspeed_measured and self._told.law == PREDICTIVE:
                 inputs = (plan[0] * self.flown.gains).tolist()
-                if self._authority.see(measurement, self._air, inputs, self._told, delays):
+                told = measurement, self._air, inputs, self._told, delays, gusts
+                if self._authority.see(*told):
                     self.limited = self._authority.within(self._told)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()

@@ -107,7 +107,13 @@ class Ceiling:
         self._peak = -math.inf
 
     def see(
-        self, time: float, asked: float, given: tuple[float, float], told: float, delay: float
+        self,
+        time: float,
+        asked: float,
+        given: tuple[float, float],
+        told: float,
+        delay: float,
+        gusts: float = 0.0,
     ) -> bool:
         """Take in a sample.
 
@@ -118,6 +124,8 @@ class Ceiling:
                 with the greater mean of a span counts.
             told: The most that was told, in the quantity's unit.
             delay: Lag plus dead time in [s].
+            gusts: Intensity of the random walk that gusts make of the integral of what is given, in
+                the square of the quantity's unit times [s].
 
         Returns:
             Whether the ceiling has changed.
@@ -132,7 +140,7 @@ class Ceiling:
         self._sums += elapsed * np.array([1.0, self._followed, *given])
         self._peak = max(self._peak, *given)
         lasted, wanted, *had = self._sums.tolist()
-        lacks = wanted - max(had) >= self._scale.missing
+        lacks = wanted - max(had) >= self._scale.missing + math.sqrt(gusts * lasted)
         if lasted < (SHORTEST if lacks else LONGEST):
             return False
         mean = max(had) / lasted
@@ -198,6 +206,7 @@ class Authority:
         inputs: Sequence[float],
         told: TrackingParameters,
         delays: Sequence[float],
+        gusts: float,
     ) -> bool:
         """Take in a measurement and the command that answers it.
 
@@ -207,6 +216,7 @@ class Authority:
             inputs: (u_psi, u_chi, u_v) at the aircraft's gains, shape (3,), in [rad/s] and [m/s^2].
             told: With the limits that were told.
             delays: Lag plus dead time of each channel in [s].
+            gusts: Intensity of level gusts in [m^2/s^3].
 
         Returns:
             Whether a ceiling has changed.
@@ -228,7 +238,7 @@ class Authority:
             weight = GRAVITY * math.sin(path_angle)
             _, most = told.envelope.force_limits(airspeed)
             force = gained / elapsed + weight, over_ground / elapsed + weight
-            found |= self._force.see(time, inputs[2] + weight, force, most, delays[2])
+            found |= self._force.see(time, inputs[2] + weight, force, most, delays[2], gusts)
         return found
 
     def within(self, asked: TrackingParameters) -> TrackingParameters:

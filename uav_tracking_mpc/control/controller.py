@@ -388,7 +388,8 @@ class Controller:
         if verdict not in (Verdict.USE, Verdict.RESTART):
             return None
         measurement, vehicle = self.navigator.air.see_state(measurement)
-        self.response.see(measurement, vehicle, self.navigator.airspeed_known)
+        known, gusts = self.navigator.airspeed_known, self.navigator.gusts
+        self.response.see(measurement, vehicle, known, gusts)
         return measurement, vehicle
 
     def _go_on(self, stamp: float) -> Command | None:

@@ -156,6 +156,11 @@ class Navigator:
         return not self.air.missing and self.air_estimate.health.states[AIRSPEED] == USED
 
     @property
+    def gusts(self) -> float:
+        """Intensity of level gusts in [m^2/s^3]; 0 where nothing is known of them."""
+        return float(self.air_estimate.found.walk[0])
+
+    @property
     def airspeed_uncertainty(self) -> tuple[float, tuple[float, float]]:
         """What is not known of the airspeed, in [m/s].
 
