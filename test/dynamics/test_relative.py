@@ -57,6 +57,22 @@ def test_both_directions_are_equilibria(model, direction):
     assert np.sign(steady_inputs(model, orbit)[0]) == (-1 if direction == "clockwise" else 1)
 
 
+class Sluggish(Exact):
+    """Turns less than it is told."""
+
+    name = "sluggish"
+
+    def rates(self, state, inputs):
+        found = super().rates(state, inputs)
+        found[1] = found[1] - 0.1 * inputs[0]
+        return found
+
+
+def test_a_model_that_the_steady_turn_does_not_hold_on_the_orbit_is_refused(orbit):
+    with pytest.raises(ValueError, match=r"turn rate of -0\.028.* hold the orbit of 150 m"):
+        steady_inputs(f"{__name__}:Sluggish", orbit)
+
+
 def test_in_flight_a_steady_turn_builds_no_expression(orbit, monkeypatch):
     """Other threads may build some meanwhile, and would have to be waited for."""
     expected = steady_inputs("exact", orbit)

@@ -166,6 +166,24 @@ def test_rejects_when_the_model_is_wrong_in_a_rate_however_little(written, monke
         write(paper_problem(), 1.0)
 
 
+@pytest.mark.parametrize("rate", [1, 4])
+def test_rejects_a_model_whose_rates_depend_on_the_turn_rate_otherwise(written, monkeypatch, rate):
+    """Its steady input is not the one taken: f(0, 0) is not 0, which the test at the origin needs.
+
+    Args:
+        rate: That depends on it, though so little that no enclosure shows it.
+    """
+    right = Exact.rates
+
+    def rates(self, state, inputs):
+        found = right(self, state, inputs)
+        found[rate] = found[rate] + 1e-12 * inputs[0] ** 2
+        return found
+
+    monkeypatch.setattr(Exact, "rates", rates)
+    assert "does not vanish" in verify(written)
+
+
 def test_rejects_a_level_that_keeps_no_margin_below_the_bound_of_an_input():
     problem = paper_problem()
     parts = problem.ingredients()

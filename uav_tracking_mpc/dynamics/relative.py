@@ -35,6 +35,7 @@ from uav_tracking_mpc.symbolic.functions import SCHEMES, evaluate, one_at_a_time
 STATE_NAMES = RelativeState._fields
 NX, NU = len(STATE_NAMES), len(INPUT_NAMES)
 _BEARING = STATE_NAMES.index("bearing")
+STEADY = 1e-6  # m/s, rad/s, m/s^2: tolerance of the rates on the orbit
 
 
 def rates_function(model: str) -> ca.Function:
@@ -64,16 +65,28 @@ def steady_inputs(model: str, orbit: Orbit) -> NDArray[np.float64]:
     Args:
         model: Name of a relative model.
         orbit: The orbit to hold.
+
+    Raises:
+        ValueError: With these inputs the state does not stay on the orbit.
     """
-    drift = RelativeState(*_kept_rates(model)(orbit.steady_state, np.zeros(NU)).full().ravel())
-    return np.array([-drift.bearing, 0.0, 0.0])
+    rates = _kept_rates(model)
+    drift = RelativeState(*rates(orbit.steady_state, np.zeros(NU)).full().ravel())
+    steady = np.array([-drift.bearing, 0.0, 0.0])
+    left = rates(orbit.steady_state, steady).full().ravel()
+    if not np.abs(left).max() < STEADY:
+        raise ValueError(
+            f"a turn rate of {steady[0]:.6g} rad/s should hold the orbit of {orbit.in_short}, but "
+            f"the rates of (r, theta, z, chi, v) are {left.tolist()} there"
+        )
+    return steady
 
 
 def vanishing_rates(model: str) -> RelativeState:
     """Which rates are 0 at every steady orbit by the structure of the model's expressions.
 
-    There cos(theta) and chi are 0 exactly; every other number stays a symbol. So what is said here
-    holds of real numbers, where a value computed with rounding only says that a rate is small.
+    There cos(theta) and chi are 0 exactly; every other number, the turn rate included, stays a
+    symbol. So what is said here holds of real numbers, where a value computed with rounding only
+    says that a rate is small. The bearing's rate vanishes if it is a drift plus the turn rate.
 
     Args:
         model: Name of a relative model.
@@ -85,9 +98,12 @@ def vanishing_rates(model: str) -> RelativeState:
             return ca.SX(0)
         return ca.SX.unary(code, *operands) if len(operands) == 1 else ca.SX.binary(code, *operands)
 
-    inputs = [[*place._replace(path_angle=ca.SX(0))], [ca.SX(0)] * NU]
+    turn = ca.SX.sym("u_psi")
+    inputs = [[*place._replace(path_angle=ca.SX(0))], [turn, ca.SX(0), ca.SX(0)]]
     (found,) = evaluate(rates_function(model), inputs, ca.SX, applied)
-    return RelativeState(*(entry.is_zero() for entry in found))
+    rates = RelativeState(*found)
+    vanish = RelativeState(*(rate.is_zero() for rate in rates))
+    return vanish._replace(bearing=ca.jacobian(rates.bearing, turn).is_one())
 
 
 def error_step(

@@ -88,7 +88,7 @@ class ClosedLoop:
         gain: K, shape (3, 5), taken as exact doubles.
 
     Raises:
-        ArithmeticError: The model's other rates do not vanish there: no steady state.
+        ArithmeticError: The model's rates do not vanish there: no steady state.
     """
 
     def __init__(
@@ -132,12 +132,12 @@ def steady_intervals(model: str, orbit: Orbit) -> tuple[Interval, Interval]:
         orbit: Reference.
 
     Raises:
-        ArithmeticError: The model's other rates do not vanish there: no steady state.
+        ArithmeticError: The model's rates do not vanish there: no steady state.
     """
     bearing = HALF_TURN * (-0.5 * orbit.sense)
     place = vector([orbit.range, bearing, orbit.altitude, 0.0, orbit.speed])
     for name, vanishes in zip(STATE_NAMES, vanishing_rates(model), strict=True):
-        if not (vanishes or name == "bearing"):
+        if not vanishes:
             raise ArithmeticError(f"rate of {name} of model {model!r} does not vanish on the orbit")
     (drift,) = evaluate(rates_function(model), [place, Interval(np.zeros(NU))])
     return place, vector([-drift[STATE_NAMES.index("bearing")], 0.0, 0.0])
