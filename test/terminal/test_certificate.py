@@ -21,6 +21,7 @@ import re
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ from uav_tracking_mpc.dynamics.relative_models.kinematics import Exact
 from uav_tracking_mpc.studies.stability.proof import certificate, prove_direct_condition
 from uav_tracking_mpc.terminal import certificate as certificate_module
 from uav_tracking_mpc.terminal import interval, quadratic_bound
-from uav_tracking_mpc.terminal.certificate import digest, read_certificate, verify
+from uav_tracking_mpc.terminal.certificate import digest, mismatch, read_certificate, verify
 from uav_tracking_mpc.terminal.ingredients import paper_problem
 
 
@@ -83,6 +84,7 @@ def change(path, value):
 CORRUPTIONS = {
     "level raised": change(["level"], lambda v: 1.01 * v),
     "level not a number": change(["level"], "much"),
+    "level in words": change(["level"], "2.5"),
     "level negative": change(["level"], -1.0),
     "gain changed": change(["gain", 0, 1], lambda v: -v),
     "weight changed": change(["weight", 0, 0], lambda v: 1.5 * v),
@@ -123,6 +125,25 @@ def test_rejects_a_corrupted_certificate_even_with_a_fresh_digest(written, name)
     assert verify(content) is not None
     content["digest"] = digest(content)
     assert verify(content) is not None
+
+
+def test_a_number_beyond_all_doubles_covers_nothing(written):
+    content = copy.deepcopy(written)
+    content["gain"][0][0] = 10**400
+    content["digest"] = digest(content)
+    assert "malformed" in mismatch(content, PROBLEM, PARTS, 2.5)
+
+
+def test_halves_of_a_leaf_that_cannot_be_exact_prove_nothing():
+    """Their rounded middles could leave a gap between them."""
+    undecided = np.zeros(1, dtype=bool)
+    expansion = SimpleNamespace(influence=np.ones((1, 5)), in_floats=lambda: None)
+    bound = SimpleNamespace(
+        expansion=lambda *_: expansion, guess=lambda *_: None, confirmed=lambda *_: undecided
+    )
+    half = np.full((1, 5), 2.0**-53)
+    with pytest.raises(certificate_module.RejectedError, match="not exact"):
+        certificate_module._unconfirmed(bound, np.ones((1, 5)), half, np.zeros(1))
 
 
 def test_rejects_a_wrong_digest(written):
@@ -246,6 +267,9 @@ def test_a_failed_proof_writes_no_certificate():
 def test_file_round_trip(written, tmp_path):
     (tmp_path / "c.json").write_text(json.dumps(written))
     assert read_certificate(tmp_path / "c.json") == written
+    (tmp_path / "deep.json").write_text("[" * 100_000)
+    with pytest.raises(ValueError, match="no JSON"):
+        read_certificate(tmp_path / "deep.json")
     (tmp_path / "list.json").write_text("[]")
     with pytest.raises(ValueError, match="no certificate"):
         read_certificate(tmp_path / "list.json")

@@ -48,7 +48,7 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import NU, NX
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, TerminalIngredients
-from uav_tracking_mpc.terminal.interval import Interval, definite, inverse_of, reach
+from uav_tracking_mpc.terminal.interval import Interval, definite, exact, inverse_of, reach
 from uav_tracking_mpc.terminal.quadratic_bound import (
     ClosedLoop,
     QuadraticBound,
@@ -93,7 +93,7 @@ def read_certificate(path: Path) -> dict[str, Any]:
     """
     try:
         content = json.loads(path.read_text())
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} holds no JSON: {error}") from error
     if not isinstance(content, dict):
         raise ValueError(f"{path} holds no JSON object, so no certificate")
@@ -131,11 +131,12 @@ def mismatch(
                 return f"{name} in flight differs from the certificate's"
         if not 0.0 < level <= content["level"]:
             return f"level in flight is {level:.6g}, proved up to {content['level']:.6g}"
-    except (KeyError, TypeError, ValueError) as error:
+    except (ArithmeticError, KeyError, TypeError, ValueError) as error:
         return _malformed(error)
     return None
 
 
+INEXACT = "halving a box is not exact"
 EXTRA_HALVINGS = 8  # the guesses of two programs differ, so a leaf may need a cut or two
 MARGIN = 0.9e-6  # -, of the level; the prover keeps 1e-6, rounding must not decide
 
@@ -180,7 +181,7 @@ def _check(content: dict[str, Any]) -> None:
     for name, matrix in (("weight", p), ("state_weight", q), ("input_weight", r)):
         _require(np.array_equal(matrix, matrix.T), f"{name} is not symmetric")
         _require(bool(definite(Interval(matrix))), f"{name} is not positive definite")
-    level, slack = float(content["level"]), float(content["slack"])
+    level, slack = content["level"], content["slack"]
     _require(np.isfinite(level) and level > 0.0, "level is not positive")
     _require(np.isfinite(slack) and 0.0 <= slack < 1.0, "slack is not in [0, 1)")
     _require(problem["scaling"] >= 1.0, "rho is below 1")
@@ -228,7 +229,10 @@ def _unconfirmed(
         width[each, axis] /= 2.0
         shift = np.zeros_like(center)
         shift[each, axis] = width[each, axis]
-        center = np.concatenate([center - shift, center + shift])
+        lower, upper = center - shift, center + shift
+        whole = exact(center, -shift, lower) and exact(center, shift, upper)
+        _require(whole and width.all(), INEXACT)
+        center = np.concatenate([lower, upper])
         half, m = np.tile(width, (2, 1)), np.tile(m, 2)
     return center
 
@@ -283,9 +287,8 @@ def _leaves(
         for side in (1.0, -1.0):
             child = center.copy()
             child[axis] += side * half[axis]
-            part, back = side * half[axis], child[axis] - center[axis]
-            lost = (center[axis] - (child[axis] - back)) + (part - back)  # of the rounded sum
-            _require(lost == 0.0 and half[axis] > 0.0, "halving a box is not exact")
+            whole = exact(center[axis], side * half[axis], child[axis])
+            _require(whole and half[axis] > 0.0, INEXACT)
             stack.append((child, half))
     _require(not stack, "tree is not complete: its leaves do not cover the ellipsoid")
     return np.array(centers), np.array(halves)

@@ -275,6 +275,14 @@ def quadratic(matrix: Interval, column: Interval) -> Interval:
     return dot(column, times(matrix, column))
 
 
+def exact(
+    center: NDArray[np.float64], part: NDArray[np.float64], total: NDArray[np.float64]
+) -> bool:
+    """Whether ``center`` + ``part`` is their rounded sum ``total``: its error is 0."""
+    back = total - center
+    return not np.any((center - (total - back)) + (part - back))
+
+
 def total(terms: Interval) -> Interval:
     """Sum of the intervals ``terms`` along the last axis."""
     total = Interval(0.0)

@@ -51,7 +51,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics.vehicle import INPUT_NAMES
 from uav_tracking_mpc.terminal.certificate import FORMAT, digest, problem_parameters
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, TerminalIngredients
-from uav_tracking_mpc.terminal.interval import Interval, inverse_of, quadratic
+from uav_tracking_mpc.terminal.interval import Interval, exact, inverse_of, quadratic
 from uav_tracking_mpc.terminal.quadratic_bound import (
     HALF_TURN,
     ClosedLoop,
@@ -125,7 +125,7 @@ def prove(bound: QuadraticBound, box_limit: int = BOXES) -> Proof:
                 f"the budget of {box_limit} boxes is spent, {share:.1%} of the volume "
                 "proved; a larger one (--boxes) may do"
             )
-        elif not (_exact(center[each], shift, upper) and _exact(center[each], -shift, lower)):
+        elif not (exact(center[each], shift, upper) and exact(center[each], -shift, lower)):
             stuck = "boxes got too small to be halved exactly: the bound is tight or false"
         center = np.stack([lower, upper], axis=1).reshape(-1, len(root))
         half, multipliers = np.repeat(width, 2, axis=0), np.repeat(multipliers[each], 2)
@@ -207,14 +207,6 @@ def _lowest(
             break
     best = np.array([float(f"{value:.6g}") for value in best])  # the certificate carries it
     return best, bound.guess(center, half, expanded, best)
-
-
-def _exact(
-    center: NDArray[np.float64], part: NDArray[np.float64], total: NDArray[np.float64]
-) -> bool:
-    """Whether center + part are doubles: the error of the rounded sum is 0."""
-    back = total - center
-    return not np.any((center - (total - back)) + (part - back))
 
 
 def _in_preorder(
