@@ -69,8 +69,8 @@ PRINTED_B = np.array(
 PRINTED_LEVEL_60 = 3.1733  # (60)
 PRINTED_LEVEL_TABLE = 3.2649  # Table 1
 PRINTED_LIPSCHITZ = 0.5265  # Table 1
-PRINTED_LEFT_41 = 0.2782  # xi + (rho - 1) sigma, as Table 1 gives them
-PRINTED_RIGHT_41 = 0.2762  # 2 L |A_K| + L^2, as Table 1 gives them
+PRINTED_LEFT_41 = 0.2782  # (41), xi + (rho - 1) sigma, printed after (60)
+PRINTED_RIGHT_41 = 0.2762  # (41), 2 L |A_K| + L^2, printed after (60)
 
 
 def symbolic_a(orbit: Orbit, step: float) -> np.ndarray:
@@ -426,6 +426,11 @@ _CLOSING = r"""
   different steady turns.
 - (29) is equivalent to $L \le 1 - |A_K|_P$ for every $\rho$, because $|A_K|_P^2 = 1 - \rho\sigma$;
   (41) approaches it as $\rho$ grows.
+- (47) counts one stage too few. From (45) follows $\sum_{j=0}^{N-1} \eta\,\tau^j + \tau^N$, which
+  is more than $c_2$ where $\eta + \tau > 1$.
+- (53) has $|x_k|$ where (35) has $|x_N|$. So (41) does not suffice: the argument needs
+  $b \le (\rho - 1)\,\sigma$, which is stricter by $\xi$, and then proves (54) with $\xi$ in the place
+  of $c_3$.
 - (57) prints $c_2/c_3$. The argument needs $c_2$ divided by a lower bound of $V_N$, which is
   $\xi |x|^2$ in the norm of $P_\rho$.
 - A level in a row "where ... stops" is the lowest level at which a violating state is known.
