@@ -56,9 +56,10 @@ def test_a_mission_gives_it_model_step_and_target():
         ("target_publisher.motion=line", "'motion' of target_publisher is 'line', must be 's"),
         ("uav_simulator.wind=[3, 0, 0]", r"'wind' of uav_simulator is \[3.0, 0.0, 0.0\], must be"),
         ("uav_simulator.gust_intensity=7.7", "'gust_intensity' of uav_simulator is 7.7, must be 0"),
+        ("nmpc_controller.horizon_step=6", "'target_timeout' of .* is 5 s, must be .* 6 s"),
     ],
 )
-def test_a_target_that_moves_and_air_that_does_are_refused(told, words):
+def test_what_it_cannot_fly_is_refused(told, words):
     with pytest.raises(SimulationError, match=words):
         plant_of(load_configuration("paper", [told]))
 

@@ -66,7 +66,7 @@ class EulerPlant(Plant):
         """See :meth:`Plant.of`.
 
         Raises:
-            SimulationError: The target moves, or there is wind.
+            SimulationError: The target moves, there is wind, or a step is longer than a target counts.
         """
         tracking, target = configuration.controller, configuration.target
         simulator = configuration.simulator
@@ -81,6 +81,11 @@ class EulerPlant(Plant):
                     f"parameter {name} is {value!r}, must be {allowed!r} on the Euler plant; fly "
                     "the vehicle with --set mission.plant=vehicle"
                 )
+        if tracking.horizon_step > tracking.target_timeout:
+            raise SimulationError(
+                f"parameter 'target_timeout' of nmpc_controller is {tracking.target_timeout:g} s, "
+                f"must be at least 'horizon_step', {tracking.horizon_step:g} s, on the Euler plant"
+            )
         return cls(simulator, tracking.model, tracking.horizon_step, target.position)
 
     def advance(self, duration: float) -> None:
