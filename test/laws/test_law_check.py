@@ -69,6 +69,7 @@ def learning(self, situation):
         ),
         ({"inputs": undefined}, r"0 m East, .*is \[nan, nan, nan\], must be finite"),
         ({"inputs": lambda *_: 1 / 0}, "case 0, .*ZeroDivisionError: division by zero"),
+        ({"__init__": lambda *_: 1 / 0}, "vector_field: ZeroDivisionError"),
         ({"inputs": meddling}, "has changed the situation"),
         ({"inputs": learning, "asked": 0}, "another law of the same orbit answers differently"),
     ],

@@ -24,6 +24,7 @@ from uav_tracking_mpc.limits import LIMIT, Bound, Limit
 from uav_tracking_mpc.limits.conformance import check_limit
 from uav_tracking_mpc.limits.place import Height
 from uav_tracking_mpc.parameters.conformance import ConformanceError
+from uav_tracking_mpc.parameters.specification import parameter
 
 EXAMPLE = f"{Path(__file__).parents[2] / 'examples' / 'add_a_limit.py'}:NoFlyCylinder"
 
@@ -58,6 +59,15 @@ def upside_down(self, motion, numbers, xp):
     return {"acceleration": (1.0, -1.0)}
 
 
+class Bare(Limit):
+    name = "bare"
+
+    most: float = parameter(1.0, "Greatest height.", "m")
+
+    def stage(self, motion, numbers, xp):
+        return Bound(motion.z, upper=numbers[0])
+
+
 @pytest.mark.parametrize(
     ("limit", "words"),
     [
@@ -74,6 +84,7 @@ def upside_down(self, motion, numbers, xp):
         (wrong(inputs=upside_down), "acceleration of .* is 1.0..-1.0"),
         (wrong(Height, numbers=lambda *_: np.zeros((1, 1))), "numbers.* has shape"),
         (wrong(stage=lambda *_: 1 / 0), "ZeroDivisionError"),
+        (Bare, "'most' counts only if Bare is decorated with @dataclass"),
     ],
 )
 def test_what_is_wrong_is_said(limit, words):

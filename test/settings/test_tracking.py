@@ -17,8 +17,19 @@ import dataclasses
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
+from uav_tracking_mpc.limits import Limit
+from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping, parameter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+
+@dataclasses.dataclass(frozen=True)
+class Far(Limit):
+    """Has a parameter of a name that the controller uses for another thing."""
+
+    name = "far"
+
+    horizon: float = parameter(1e4, "Greatest distance.", "m", 1.0, 1e6)
+
 
 ARTIFICIAL = {"terminal_constraint": "artificial_orbit"}
 
@@ -51,6 +62,7 @@ def test_defaults_are_table_1():
         ({"autopilot_holds": True}, "'autopilot_holds' is true, must be false unless terminal_con"),
         ({"vehicle_model": "held"}, "'autopilot_holds' is false, must not be with vehicle_model"),
         ({"model": "mine.py:Mine"}, "parameter 'model' is 'mine.py:Mine': there is no file"),
+        ({"limits": f"{__file__}:Far"}, "'horizon' of Far .* must have a name of its own"),
         ({"terminal_constraint": "orbit"}, "'terminal_constraint' is .*artificial_orbit"),
     ],
 )

@@ -27,11 +27,13 @@ from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws import GuidanceLaw
 from uav_tracking_mpc.parameters.conformance import (
     ConformanceError,
+    judged,
     require,
     require_name,
     require_vector,
 )
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 COUNT = 200  # random situations
 LARGEST = 1e3  # rad/s or m/s^2: no input is beyond it
@@ -50,6 +52,11 @@ def check_law(law: type[GuidanceLaw]) -> None:
             or round it in the wrong direction.
     """
     name, parameters = require_name(law), load_configuration("small_uav").controller
+    with judged(name):
+        _check(law, name, parameters)
+
+
+def _check(law: type[GuidanceLaw], name: str, parameters: TrackingParameters) -> None:
     orbit, envelope = parameters.orbit, parameters.envelope
     asked, again, random = law(orbit, envelope), law(orbit, envelope), np.random.default_rng(0)
     for case in range(COUNT):

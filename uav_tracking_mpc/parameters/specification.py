@@ -196,6 +196,12 @@ class Parameters:
 
     def __post_init__(self) -> None:
         """Check every value by its description, and keep it in its parameter's own type."""
+        for name, value in vars(type(self)).items():
+            if isinstance(value, dataclasses.Field):  # a dataclass keeps its default instead
+                raise ParameterError(
+                    f"parameter '{name}' counts only if {type(self).__name__} is decorated with "
+                    "@dataclass(frozen=True)"
+                )
         for known in specifications(type(self)):
             object.__setattr__(self, known.name, known.check(getattr(self, known.name)))
 

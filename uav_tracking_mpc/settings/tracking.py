@@ -451,6 +451,7 @@ def _further_limits(names: str) -> list[type[Limit]]:
 
 @lru_cache
 def _extended(owners: tuple[type, ...]) -> type[TrackingParameters]:
+    gathered("All", (TrackingParameters, *owners))  # refuses one name for two parameters
     known = {field.name for field in dataclasses.fields(TrackingParameters)}
     more = [owner for owner in owners if {f.name for f in dataclasses.fields(owner)} - known]
     if not more:

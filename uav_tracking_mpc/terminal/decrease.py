@@ -19,8 +19,8 @@ With a proved terminal set the argument of (49)-(51) gives, for the nominal mode
 .. math:: V_N(x_{k+1}) \le V_N(x_k) - L(x_k, u_k) \le V_N(x_k) - \xi |x_k|_{P_\rho}^2
 
 which is (54) with the constant xi of (52) in the place of c_3. What c_3 has besides, (rho - 1)
-sigma - b, belongs to x_N in (35), not to x_k as (53) has it. What breaks it in flight is not the theorem but one
-of its hypotheses, and which one is usually known.
+sigma - b, belongs to x_N in (35), not to x_k as (53) has it. What breaks it in flight is not the
+theorem but one of its hypotheses, and which one is usually known.
 """
 
 from __future__ import annotations

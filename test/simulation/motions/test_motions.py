@@ -67,6 +67,11 @@ class Stateful(Line):
         return super().position(time) + 1e-3 * self.asked
 
 
+class Tuples(Line):
+    def position(self, time):
+        return tuple(super().position(time))
+
+
 class Shared(Line):
     """Hands out its own array: whoever changes it moves the target."""
 
@@ -86,6 +91,7 @@ class Shared(Line):
         (Infinite, r"velocity\(50.25\) \[m/s\] is .*inf.*must be finite"),
         (Knots, r"velocity\(0\) is \[9.7.*the position moves with \[5"),
         (Stateful, "the position moves with|depends on more than the time"),
+        (Tuples, "line: TypeError: unsupported operand"),
         (Shared, "depends on more than the time"),
     ],
 )

@@ -74,9 +74,15 @@ class Diverging(VehiclePlant):
         self.state[2] = np.inf if self.time > 1.0 else self.state[2]
 
 
+class Unready(VehiclePlant):
+    def __init__(self, parameters):
+        raise RuntimeError("no licence")
+
+
 @pytest.mark.parametrize(
     ("plant", "words"),
     [
+        (Unready, "vehicle: RuntimeError: no licence"),
         (Degrees, r"truth at 0.05 s: heading is .*are the units right"),
         (Gullible, "a plan of the wrong shape is taken, must raise ValueError"),
         (Random, "differs from that of another with its seed"),

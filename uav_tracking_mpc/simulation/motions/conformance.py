@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from uav_tracking_mpc.parameters.conformance import require, require_name, require_vector
+from uav_tracking_mpc.parameters.conformance import judged, require, require_name, require_vector
 from uav_tracking_mpc.settings.simulator import TargetParameters
 from uav_tracking_mpc.simulation.motions import TargetMotion
 
@@ -34,10 +34,15 @@ def check_motion(motion: type[TargetMotion]) -> None:
         motion: Class of the motion.
 
     Raises:
-        ConformanceError: A position or velocity is not a finite vector in [m] or [m/s], it depends
-            on more than the time, or the velocity is not that of the position.
+        ConformanceError: It raises, a position or velocity is not a finite vector in [m] or [m/s],
+            it depends on more than the time, or the velocity is not that of the position.
     """
     name = require_name(motion)
+    with judged(name):
+        _check(motion, name)
+
+
+def _check(motion: type[TargetMotion], name: str) -> None:
     parameters = TargetParameters(position=(10.0, -20.0, 3.0), speed=5.0, jump_time=1e6)
     target, again = motion(parameters), motion(parameters)
     times = np.linspace(0.0, 100.0, 401).tolist()

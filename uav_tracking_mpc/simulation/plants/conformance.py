@@ -24,6 +24,7 @@ import numpy as np
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.parameters.conformance import (
     ConformanceError,
+    judged,
     require,
     require_name,
     require_vector,
@@ -48,11 +49,16 @@ def check_plant(plant: type[Plant], parameters: SimulatorParameters = PARAMETERS
         parameters: With which it is flown.
 
     Raises:
-        ConformanceError: It has no name or no truth that could be one, its clock does not follow,
-            it does not move, two of one seed differ, its sensors disturb it or know no noise, or
-            it takes a plan that cannot be flown.
+        ConformanceError: It raises, has no name or no truth that could be one, its clock does not
+            follow, it does not move, two of one seed differ, its sensors disturb it or know no
+            noise, or it takes a plan that cannot be flown.
     """
     name = require_name(plant)
+    with judged(name):
+        _check(plant, name, parameters)
+
+
+def _check(plant: type[Plant], name: str, parameters: SimulatorParameters) -> None:
     flown, again = plant(parameters), plant(parameters)
     start, period = flown.truth, flown.period or TICK
     flown.advance(0.0)

@@ -66,7 +66,8 @@ class EulerPlant(Plant):
         """See :meth:`Plant.of`.
 
         Raises:
-            SimulationError: The target moves, there is wind, or a step is longer than a target counts.
+            SimulationError: The target moves, there is wind, or a step is longer than a target
+                counts.
         """
         tracking, target = configuration.controller, configuration.target
         simulator = configuration.simulator

@@ -429,8 +429,8 @@ _CLOSING = r"""
 - (47) counts one stage too few. From (45) follows $\sum_{j=0}^{N-1} \eta\,\tau^j + \tau^N$, which
   is more than $c_2$ where $\eta + \tau > 1$.
 - (53) has $|x_k|$ where (35) has $|x_N|$. So (41) does not suffice: the argument needs
-  $b \le (\rho - 1)\,\sigma$, which is stricter by $\xi$, and then proves (54) with $\xi$ in the place
-  of $c_3$.
+  $b \le (\rho - 1)\,\sigma$, which is stricter by $\xi$, and then proves (54) with $\xi$ in the
+  place of $c_3$.
 - (57) prints $c_2/c_3$. The argument needs $c_2$ divided by a lower bound of $V_N$, which is
   $\xi |x|^2$ in the norm of $P_\rho$.
 - A level in a row "where ... stops" is the lowest level at which a violating state is known.
