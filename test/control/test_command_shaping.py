@@ -26,6 +26,7 @@ from uav_tracking_mpc.control.command_shaping import (
     FADE_TIME,
     HALVES,
     RESUME_TIME,
+    WAIT_TIME,
     CommandShaper,
     Doublets,
     Excitation,
@@ -34,6 +35,7 @@ from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.parameters.specification import changed
+from uav_tracking_mpc.settings.tracking import usual_excitation
 
 PLAN = np.tile([0.1, 0.05, 0.3], (5, 1))
 LAW = np.array([[-0.1, 0.0, -0.2]])
@@ -252,6 +254,32 @@ def test_a_limit_that_somebody_adds_is_told_the_turn(tmp_path, turn_rate, flown)
     excited = Flown(limits=f"{tmp_path / 'limit.py'}:Sideways")
     present = replace(situation(), rates=np.array([turn_rate, 0.0, 0.0]))
     assert np.any(excited.added(CALM_TIME + 1.0, present)) == flown
+
+
+def test_a_slow_aircraft_has_room_beside_its_least_airspeed():
+    slow, present = replace(ORBIT, speed=9.5), situation(airspeed=9.5)
+    excitation = Excitation(
+        changed(FLIGHT, {"airspeed_min": 7.8, "excitation": tuple(AMPLITUDES)}), EventLog()
+    )
+    flown = [
+        excitation.added(time, BASE, FallbackMode.OPTIMAL, slow, present)
+        for time in (0.0, CALM_TIME, CALM_TIME + 1.0)
+    ]
+    assert np.any(flown[-1] != BASE)
+
+
+def test_it_says_what_it_waits_for():
+    flown = Flown(height_min=115.0)
+    flown.added(WAIT_TIME + 2.0 * STEP)
+    assert flown.words() == ["the excitation has not begun yet: near the limit of height"]
+
+
+@pytest.mark.parametrize("airspeed", [9.5, 22.0, 60.0])
+def test_the_usual_signal_takes_no_more_bank_load_and_airspeed_than_usual(airspeed):
+    turn, path, acceleration = usual_excitation(airspeed)
+    assert turn * airspeed <= 0.06 * 22.0 + 1e-12 and turn <= 0.06
+    assert path * airspeed <= 0.11 * 22.0 + 1e-12 and path <= 0.11
+    assert acceleration / airspeed <= 1.5 / 22.0 + 1e-12 and acceleration <= 1.5
 
 
 def test_a_sharp_turn_leaves_no_room_for_it():

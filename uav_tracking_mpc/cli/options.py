@@ -21,11 +21,12 @@ import importlib
 import json
 import math
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uav_tracking_mpc.parameters.registry import ExtensionError, names_of
-from uav_tracking_mpc.parameters.specification import ParameterError, specifications
+from uav_tracking_mpc.parameters.specification import ParameterError, changed, specifications
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.launch.preflight import Preflight
@@ -156,16 +157,11 @@ def add_excite_argument(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: Gets the option.
     """
-    from uav_tracking_mpc.settings.tracking import USUAL_EXCITATION
-
     parser.add_argument(
         "--excite",
-        action=_Setting,
-        parameter="nmpc_controller.excitation",
-        nargs=0,
-        const=list(USUAL_EXCITATION),
+        action="store_true",
         help="add a small test signal to the commands once the aircraft is on its orbit, for "
-        "`identify` (sets nmpc_controller.excitation)",
+        "`identify` (sets nmpc_controller.excitation by the airspeed, unless it is set)",
     )
 
 
@@ -283,6 +279,7 @@ def chosen_configuration(
         ParameterError: It does not exist or is not allowed.
     """
     from uav_tracking_mpc.settings.configuration import load_configuration
+    from uav_tracking_mpc.settings.tracking import usual_excitation
 
     overrides = chosen_overrides(arguments, scenario)
     configuration = load_configuration(arguments.config, overrides, scenario)
@@ -290,6 +287,10 @@ def chosen_configuration(
         from uav_tracking_mpc.control.guidance import law_of
 
         law_of(configuration.controller)  # refused here, before several parts of a flight do so
+    tracking = configuration.controller
+    if getattr(arguments, "excite", False) and not any(tracking.excitation):
+        signal = {"excitation": usual_excitation(tracking.airspeed)}
+        configuration = replace(configuration, controller=changed(tracking, signal))
     return configuration
 
 

@@ -44,6 +44,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.limits import Motion
+from uav_tracking_mpc.limits.airspeed import Airspeed
 from uav_tracking_mpc.limits.climb import PathAngle
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -58,6 +59,8 @@ TURN_SHARE = 0.85  # -, of the greatest turn rate that may be commanded beside t
 # -, rad: from limits, in units of `Bound.scale`: 2 m/s of airspeed, 10 m of height or distance,
 # 20 m of the fence; of the path angle, which the signal itself moves.
 MARGIN, ANGLE_MARGIN = 2.0, 0.03
+SPEED_MARGIN = 0.1  # -, share of the airspeed asked for, where that is less than 2 m/s
+WAIT_TIME = 60.0  # s after which a signal that has not begun tells why
 
 
 class Doublets:
@@ -127,6 +130,7 @@ class Excitation:
         self._share = 0.0  # of the amplitude that is flown
         self._calm_since: float | None = None
         self._begin: float | None = None
+        self._waits_since: float | None = None
         self._time = 0.0
         self._going = False
 
@@ -163,6 +167,7 @@ class Excitation:
         wait = 0.0 if self._calm_since is None else time - self._calm_since
         needed = CALM_TIME if self._begin is None else RESUME_TIME
         self._tell(not reason and (self._going or wait >= needed), reason)
+        self._tell_waiting(time, reason)
         change = min(elapsed, EXCITATION_FADE_TIME) / EXCITATION_FADE_TIME
         self._share = min(max(self._share + (change if self._going else -change), 0.0), 1.0)
         if self._share == 0.0 or present is None:
@@ -185,6 +190,13 @@ class Excitation:
                 words = "begins"
             self._events.add(Level.INFO, f"the excitation {words}")
         self._going = going
+
+    def _tell_waiting(self, time: float, reason: str) -> None:
+        if self._waits_since is None:
+            self._waits_since = time
+        if self._begin is None and reason and time - self._waits_since >= WAIT_TIME:
+            self._events.add(Level.INFO, f"the excitation has not begun yet: {reason}")
+            self._waits_since = time
 
     def _obstacle(
         self,
@@ -215,6 +227,8 @@ class Excitation:
             margin = MARGIN
             if isinstance(limit, PathAngle):
                 margin = ANGLE_MARGIN / 0.1
+            elif isinstance(limit, Airspeed):
+                margin = min(MARGIN, SPEED_MARGIN * orbit.speed)
             bound = limit.stage(motion, limit.numbers(present.target[np.newaxis])[0], np)
             if bound is not None and max(bound.inequalities(), default=-math.inf) > -margin:
                 return f"near the limit of {limit.label}"

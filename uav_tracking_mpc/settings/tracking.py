@@ -58,8 +58,8 @@ from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 from uav_tracking_mpc.symbolic.functions import SCHEMES
 
 ARTIFICIAL_ORBIT = "artificial_orbit"  # terminal_constraint: of the flight problem
-# rad/s, rad/s, m/s^2: test signal of 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
-USUAL_EXCITATION = (0.06, 0.11, 1.5)
+# rad/s, rad/s, m/s^2, m/s: test signal of 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
+USUAL_EXCITATION, USUAL_AIRSPEED = (0.06, 0.11, 1.5), 22.0
 NEAREST = "nearest"  # direction: the nearer one where the flight begins
 PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 LAGGED, HELD = "lagged", "held"  # vehicle models, all inputs commanded and the bank alone
@@ -441,6 +441,20 @@ class TrackingParameters(FrameParameters, EstimationParameters, FlightParameters
     def __reduce__(self) -> tuple[Any, ...]:
         """Another process loads the extensions again."""
         return from_mapping, (TrackingParameters, dataclasses.asdict(self))
+
+
+def usual_excitation(airspeed: float) -> tuple[float, float, float]:
+    """Amplitudes of a test signal of no more bank, load and share of the airspeed than usual.
+
+    Args:
+        airspeed: That is flown in [m/s].
+
+    Returns:
+        Of turn rate, path-angle rate and acceleration in [rad/s, rad/s, m/s^2].
+    """
+    turn, path, acceleration = USUAL_EXCITATION
+    slower, faster = min(airspeed / USUAL_AIRSPEED, 1.0), min(USUAL_AIRSPEED / airspeed, 1.0)
+    return turn * faster, path * faster, acceleration * slower
 
 
 def _further_limits(names: str) -> list[type[Limit]]:

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import Configuration, load_configuration
-from uav_tracking_mpc.settings.tracking import USUAL_EXCITATION
+from uav_tracking_mpc.settings.tracking import usual_excitation
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.executors import parallel_map
 from uav_tracking_mpc.studies.identification.flight_record import (
@@ -74,7 +74,8 @@ def drawn(
         **NOISE,
     }
     told_lag, told_dead_time = (told * (lag, dead_time)).tolist()
-    believed = {"rate_lag": told_lag, "dead_time": told_dead_time, "excitation": USUAL_EXCITATION}
+    signal = usual_excitation(configuration.controller.airspeed)
+    believed = {"rate_lag": told_lag, "dead_time": told_dead_time, "excitation": signal}
     drawn_configuration = replace(
         configuration,
         simulator=changed(configuration.simulator, true),
