@@ -25,6 +25,7 @@ from processes import scripted
 
 from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
+    add_excite_argument,
     add_limit_argument,
     add_mission_arguments,
     add_page_arguments,
@@ -71,6 +72,22 @@ def test_parameters_of_an_added_limit_can_be_set():
     words = ["--set", "nmpc_controller.cylinder_radius=40", "--limit", f"{example}:NoFlyCylinder"]
     chosen = chosen_configuration(parser.parse_args(words)).controller
     assert chosen.envelope.cylinder_radius == 40.0
+
+
+@pytest.mark.parametrize(
+    ("words", "signal"),
+    [
+        (["nmpc_controller.airspeed=30"], (0.044, 0.0807, 1.5)),
+        (["nmpc_controller.excitation=[0.01,0,0]"], (0.01, 0.0, 0.0)),
+    ],
+    ids=["by the airspeed", "set"],
+)
+def test_the_excitation_is_that_of_the_airspeed_unless_it_is_set(words, signal):
+    parser = argparse.ArgumentParser()
+    add_configuration_arguments(parser)
+    add_excite_argument(parser)
+    arguments = parser.parse_args(["--config", "small_uav", "--excite", "--set", *words])
+    assert chosen_configuration(arguments).controller.excitation == pytest.approx(signal, abs=1e-4)
 
 
 def test_a_number_out_of_range_is_explained():

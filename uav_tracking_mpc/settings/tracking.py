@@ -58,8 +58,9 @@ from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 from uav_tracking_mpc.symbolic.functions import SCHEMES
 
 ARTIFICIAL_ORBIT = "artificial_orbit"  # terminal_constraint: of the flight problem
-# rad/s, rad/s, m/s^2, m/s: test signal of 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
-USUAL_EXCITATION, USUAL_AIRSPEED = (0.06, 0.11, 1.5), 22.0
+# rad/s, rad/s, m/s^2: test signal of 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
+USUAL_EXCITATION = (0.06, 0.11, 1.5)
+USUAL_AIRSPEED = 22.0  # m/s, for which it is that large
 NEAREST = "nearest"  # direction: the nearer one where the flight begins
 PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 LAGGED, HELD = "lagged", "held"  # vehicle models, all inputs commanded and the bank alone
