@@ -14,14 +14,12 @@
 
 """A flight with a page: the same flight, and a page that it does not depend on."""
 
-import contextlib
 import json
-import os
 import re
 import urllib.request
 
 import pytest
-from processes import DOMAIN, INTERRUPT, KILL, alive, children_of, hear, started
+from processes import DOMAIN, INTERRUPT, alive, children_of, hear, started
 
 from uav_tracking_mpc.cli.main import main
 
@@ -49,32 +47,20 @@ def test_security_without_keys_is_refused_in_words(tmp_path, monkeypatch, capfd)
     assert not list(output.iterdir())
 
 
-@pytest.fixture
-def viewed(tmp_path):
-    """Flies with a page for so long in [s]."""
-    pytest.importorskip("viser")
-
-    @contextlib.contextmanager
-    def viewed(duration):
-        words = ("--view", "--no-browser", "--port", 0, "--duration", duration)
-        where = ("--output", tmp_path, "--domain-id", DOMAIN)
-        how = {"after": "page: http", "apart": True}
-        with started("cli.main", "fly", *words, *where, **how) as process:
-            children = children_of(process.pid)
-            (process.page,) = (child for child, words in children if " view --domain-id " in words)
-            yield process
-
-    return viewed
-
-
 def answers(address):
     with urllib.request.urlopen(address, timeout=60.0) as response:
         return response.status == 200
 
 
 @pytest.mark.nodes
-def test_the_page_stays_after_the_report_until_ctrl_c(viewed, tmp_path):
-    with viewed(4) as flight:
+def test_the_page_stays_after_the_report_until_ctrl_c(tmp_path):
+    pytest.importorskip("viser")
+    words = ("--view", "--no-browser", "--port", 0, "--duration", 4)
+    where = ("--output", tmp_path, "--domain-id", DOMAIN)
+    how = {"after": "page: http", "apart": True}
+    with started("cli.main", "fly", *words, *where, **how) as flight:
+        children = children_of(flight.pid)
+        (page,) = (child for child, words in children if " view --domain-id " in words)
         address = re.search(r"page: (http://127\.0\.0\.1:\d+\S*)", flight.said)[1]
         assert answers(address)
         hear(flight, "until Ctrl-C")
@@ -86,18 +72,4 @@ def test_the_page_stays_after_the_report_until_ctrl_c(viewed, tmp_path):
         _, rest = flight.communicate(timeout=LIMIT)
         assert flight.returncode == 3, rest  # that of a flight that is too short, not of Ctrl-C
         assert "Traceback" not in flight.said + rest
-        assert not alive(flight.page)
-
-
-@pytest.mark.nodes
-def test_a_page_that_dies_ends_no_flight(viewed, tmp_path):
-    with viewed(600) as flight:
-        os.kill(flight.page, KILL)
-        hear(flight, "flying on commands")
-        flight.send_signal(INTERRUPT)
-        _, errors = flight.communicate(timeout=LIMIT)
-    assert flight.returncode == 130
-    assert "of 600 s were flown" in errors
-    assert "Traceback" not in errors
-    assert json.loads((tmp_path / "metrics.json").read_text())["duration_s"] < 600.0
-    assert (tmp_path / "report.html").exists()
+        assert not alive(page)

@@ -14,6 +14,7 @@
 
 """A flight of three processes is steered as a page does it, and recovers from its faults."""
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -22,7 +23,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import DOMAIN, INTERRUPT, command, environment, nodes_of, wait_for
+from processes import (
+    DOMAIN,
+    INTERRUPT,
+    KILL,
+    alive,
+    children_of,
+    command,
+    environment,
+    nodes_of,
+    wait_for,
+)
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.nodes import watching
@@ -45,15 +56,19 @@ NEAR = (
 class SteeredFlight:
     """``uav_tracking fly`` as a process, watched and steered in this one as a page does it.
 
-    After a first wait that was in vain no other is begun, in no other flight either.
+    Its own page dies before the flight begins. After a first wait that was in vain no other is
+    begun, in no other flight either.
     """
 
     broken = False
+    page = None  # its process
 
     def __init__(self, folder):
         self.folder, self.source = folder, LiveSource(int(DOMAIN))
         words = ["--config", "small_uav", "--duration", "36000", "--output", folder / "output"]
         words += ["--set", "mission.speed=1.0", *NEAR, "--domain-id", DOMAIN]
+        viewed = importlib.util.find_spec("viser") is not None
+        words += ["--view", "--no-browser", "--port", "0"] if viewed else []
         self.speed = 1.0
         self.log = (folder / "log").open("w")
         self.process = subprocess.Popen(
@@ -62,6 +77,12 @@ class SteeredFlight:
             stderr=subprocess.STDOUT,
             env=environment(),
         )
+        if viewed:
+            told = folder / "log"
+            assert wait_for(lambda: "page: http" in told.read_text() or self.process.poll())
+            children = children_of(self.process.pid)
+            (self.page,) = (child for child, words in children if " view --domain-id " in words)
+            os.kill(self.page, KILL)
 
     @property
     def watched(self):
@@ -146,6 +167,14 @@ def test_everything_of_a_simulated_flight_can_be_steered(flight):
     assert set(flight.steering.faults) == set(FAULTS)
     assert flight.steering.parameters(CONTROLLER)["range"] == 300.0
     assert flight.steering.parameters(SIMULATOR)["speed"] == flight.speed
+
+
+def test_a_page_that_dies_ends_no_flight(flight):
+    """All tests here are of a flight without it."""
+    if flight.page is None:
+        pytest.skip("viser is not installed")
+    assert not alive(flight.page)
+    assert flight.process.poll() is None
 
 
 @pytest.mark.long
@@ -246,6 +275,8 @@ def test_what_was_flown_is_reported(flight):
     code, words = flight.end()
     assert code == 130, words
     assert "Traceback" not in words
+    assert "of 36000 s were flown" in words
     metrics = json.loads((Path(flight.folder) / "output" / "metrics.json").read_text())
     assert metrics["commands"]["sent"] > 100
+    assert metrics["duration_s"] < 36000.0
     assert os.path.getsize(flight.folder / "output" / "report.html") > 0
