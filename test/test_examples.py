@@ -31,6 +31,7 @@ from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.studies import executors
 
 EXAMPLES = ROOT / "examples"
 
@@ -45,8 +46,9 @@ def run(name, *arguments):
 
 @pytest.fixture
 def run_here(monkeypatch, capsys):
-    """Runs an example in this process and without figures; what it prints."""
+    """Runs an example in this process alone and without figures; what it prints."""
     monkeypatch.setattr(mission_report, "write_report", lambda log, *_: metrics(log))
+    monkeypatch.setattr(executors.os, "sched_getaffinity", lambda _: {0})
 
     def run_here(name, *arguments):
         monkeypatch.setattr(sys, "argv", [name, *map(str, arguments)])

@@ -84,7 +84,7 @@ def interrupted(monkeypatch, in_this_process, uav_tracking):
 
     def interrupted(at, *words):
         monkeypatch.setattr(results, "simulate", Interrupting(at))
-        laws = ("--laws", "l1", "vector_field", "--set", "mission.duration=20")
+        laws = ("--laws", "l1", "vector_field", "--set", "mission.duration=5")
         ended = uav_tracking("compare", *laws, *words)
         assert ended.code == 130
         return ended.err.strip()

@@ -109,11 +109,11 @@ def test_what_is_told_counts_until_the_noise_is_measured():
     np.testing.assert_allclose(variances[100:], 9.0, rtol=0.5)
 
 
-@pytest.mark.parametrize("lie", [1e-8, 1e-2, 1e2, 1e4])
-def test_what_is_told_wrong_does_not_last(lie):
-    variances = white([3.0] * COUNT, [9.0 * lie] * COUNT)
+def test_what_is_told_wrong_does_not_last():
     untold = white([3.0] * COUNT, [0.0] * COUNT)
-    np.testing.assert_allclose(variances[60:], untold[60:], rtol=1e-9)
+    for lie in (1e-8, 1e-2, 1e2, 1e4):
+        variances = white([3.0] * COUNT, [9.0 * lie] * COUNT)
+        np.testing.assert_allclose(variances[60:], untold[60:], rtol=1e-9, err_msg=f"{lie}")
 
 
 def test_a_change_that_is_told_counts_at_once():

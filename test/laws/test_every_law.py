@@ -33,15 +33,21 @@ def law(name, direction="clockwise"):
     return GUIDANCE_LAW.find(name)(Orbit(300.0, 120.0, 22.0, direction), SMALL_UAV)
 
 
+STARTS = (
+    [700.0, 0.0, 120.0, 0.0, 0.0, 22.0],
+    [0.0, 0.0, 90.0, 1.0, 0.0, 22.0],
+    [-280.0, 0.0, 180.0, np.pi / 2, 0.1, 30.0],
+    [-200.0, -900.0, 60.0, -1.0, 0.0, 16.0],
+)
+
+
 @pytest.mark.parametrize("name", GUIDANCE_LAW.own_names)
-@pytest.mark.parametrize("direction", DIRECTIONS)
 @pytest.mark.parametrize(
-    "start",
+    ("start", "direction"),
     [
-        [700.0, 0.0, 120.0, 0.0, 0.0, 22.0],
-        [0.0, 0.0, 90.0, 1.0, 0.0, 22.0],
-        [-280.0, 0.0, 180.0, np.pi / 2, 0.1, 30.0],
-        [-200.0, -900.0, 60.0, -1.0, 0.0, 16.0],
+        pytest.param(start, direction, marks=[pytest.mark.long] * (turn != number % 2))
+        for number, start in enumerate(STARTS)
+        for turn, direction in enumerate(DIRECTIONS)
     ],
 )
 def test_it_converges_from_anywhere_about_a_moving_target_in_wind(name, direction, start):

@@ -250,11 +250,12 @@ def test_a_plant_of_ones_own_is_one_file(tmp_path):
     """The nose points outside the turn; the controller takes the difference for wind."""
     file = tmp_path / "slipping.py"
     file.write_text(SLIPPING)
-    log = flight("small_uav", f"mission.plant={file}:Slipping", "mission.duration=45", BUDGET)
+    own = f"mission.plant={file}:Slipping"
+    log = flight("small_uav", own, "mission.duration=25", *NEAR, BUDGET)
     assert log.plant == "slipping"
     slip = wrap_angle(log.vehicle[-1, 3] - log.course[-1])
     assert float(slip) == pytest.approx(-0.2 * log.inputs[-1, 0], abs=2e-3)
-    assert np.max(np.abs(log.error[log.time > 40.0, 0])) < 1.0
+    assert np.max(np.abs(log.error[log.time > 20.0, 0])) < 1.0
 
 
 class Diverging(VehiclePlant):
@@ -274,10 +275,10 @@ def test_a_plant_that_is_not_finite_ends_the_flight(monkeypatch):
 
 
 def test_a_law_is_flown_by_the_same_loop():
-    log = flight("small_uav", "mission.duration=45", "nmpc_controller.law=l1")
+    log = flight("small_uav", "mission.duration=20", "nmpc_controller.law=l1", *NEAR)
     counts = log.commands
-    assert (log.solver, log.failures, counts.sent, counts.failsafe) == ("none", 0, 900, 0)
-    assert np.max(np.abs(log.error[log.time > 40.0, 0])) < 1.0
+    assert (log.solver, log.failures, counts.sent, counts.failsafe) == ("none", 0, 400, 0)
+    assert np.max(np.abs(log.error[log.time > 15.0, 0])) < 1.0
     assert log.nominal.all()
 
 
@@ -367,13 +368,13 @@ def test_errors_count_from_the_orbit_that_was_asked_for_at_each_time():
 
 
 def test_a_reset_puts_the_aircraft_back_and_leaves_time_and_target():
-    loop = loop_of_a_law()
+    loop = loop_of_a_law(*NEAR)
     flown(loop, 3.0)
     loop.target.go_to(loop.time, (40.0, 0.0, 0.0))
     flown(loop, 20.0)
     loop.reset()
     assert loop.time == 23.0
-    first, *_, last = flown(loop, 60.0)
+    first, *_, last = flown(loop, 30.0)
     np.testing.assert_array_equal(
         first.truth.position, loop.configuration.simulator.initial_position
     )
@@ -406,7 +407,7 @@ def test_a_flight_is_the_same_however_short_the_budget_of_a_live_solve_is():
     np.testing.assert_array_equal(logs[0].inputs, logs[1].inputs)
 
 
-@pytest.mark.parametrize("late", [0.45, 0.9])
+@pytest.mark.parametrize("late", [pytest.param(0.45, marks=pytest.mark.long), 0.9])
 def test_a_state_later_than_a_segment_is_flown_by_all_the_same(late):
     """Its command is the plan's first input, whose segment by the stamp is over; not the second."""
     settings = f"uav_simulator.state_delay={late}", "nmpc_controller.state_timeout=1.0"

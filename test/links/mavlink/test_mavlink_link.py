@@ -81,7 +81,7 @@ def test_it_circles_in_wind_and_turbulence(dialect, scenario, config, shaken, se
     assert flown.link.values()["commands refused"] == 0
 
 
-@BOTH
+@pytest.mark.parametrize("dialect", [pytest.param("ardupilot", marks=LONG), "px4"])
 def test_an_airspeed_that_is_stuck_where_it_could_be_does_not_lead_off_the_orbit(dialect):
     """While the bank was found from it: 0.7 and 1 m, and PX4's aircraft swung up and down."""
     flown = flight(dialect)

@@ -64,8 +64,8 @@ def flown(plant, wrong, *settings, begin, end):
 @pytest.mark.parametrize(
     ("plant", "angle"),
     [
-        ("vehicle", 1.25),
         ("jsbsim", 1.25),
+        pytest.param("vehicle", 1.25, marks=LONG),
         pytest.param("vehicle", 0.25, marks=LONG),
         pytest.param("jsbsim", 0.25, marks=LONG),
     ],
@@ -152,7 +152,7 @@ def test_a_heading_that_drifts_is_left_out(plant, rate, gusts):
 @pytest.mark.parametrize(
     ("plant", "wrong"),
     [
-        ("vehicle", "velocity_gain=1.5"),
+        pytest.param("vehicle", "velocity_gain=1.5", marks=LONG),
         pytest.param("vehicle", "velocity_bias=[-7.0, -7.0, 0.0]", marks=LONG),
         ("jsbsim", "velocity_gain=0.0"),
         pytest.param("jsbsim", "velocity_bias=[0.0, 0.0, -4.0]", marks=LONG),
@@ -254,7 +254,7 @@ def reading(share):
     [
         (climbing(0.0), "ground velocity", "stuck"),  # nothing measures it
         (climbing(-1.0), "ground velocity", "off"),  # counted down
-        (reading(1.94), "airspeed", "off"),  # knots
+        pytest.param(reading(1.94), "airspeed", "off", marks=LONG),  # knots
         (reading(0.28), "airspeed", "off"),  # m/s taken for km/h
     ],
 )
@@ -265,7 +265,7 @@ def test_mistakes_in_what_a_source_tells_are_found_from_the_start(told, sensor, 
         return step(self, dataclasses.replace(seen, **told(seen)), *rest)
 
     monkeypatch.setattr(Controller, "step", mistaken)
-    log = flown_on_orbit("vehicle", "gust_intensity=2.0", end=50.0)
+    log = flown_on_orbit("vehicle", "gust_intensity=2.0", end=40.0)
     assert [(each.sensor, each.state) for each in log.sensors] == [(sensor, state)]
     assert np.abs(log.error[log.time > BEGIN, 0]).max() < 1.0
     assert log.vehicle[:, 5].min() > 16.0
@@ -280,7 +280,7 @@ def turned(angle):
     ("told", "sensor"),
     [
         (climbing(-1.0), "ground velocity"),
-        (turned(math.pi), "heading"),
+        pytest.param(turned(math.pi), "heading", marks=LONG),
         pytest.param(turned(1.5), "heading", marks=LONG),
         pytest.param(lambda _: {"ground_velocity": [0.0] * 3}, "ground velocity", marks=LONG),
     ],

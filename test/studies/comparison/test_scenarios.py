@@ -180,7 +180,13 @@ SAID = {
 }
 
 
-@pytest.mark.parametrize("name", SAID)
+# What test_failing_sensors.py has in the same way.
+ALSO = ("airspeed_zero", "heading_30", "position_silent")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.long] * (name in ALSO)) for name in SAID]
+)
 def test_a_failing_sensor_is_named_and_the_orbit_is_held(name):
     """Faults begin sooner, from a start near the orbit; a wind that turns blames no sensor."""
     near = (

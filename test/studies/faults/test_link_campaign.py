@@ -125,7 +125,9 @@ def test_a_link_that_clings_to_command_is_seen(flight):
     assert "take-over" in broken(flight)
 
 
-@pytest.mark.parametrize(("chosen", "index"), [((), 0), (("--case", "3"), 3)])
+@pytest.mark.parametrize(
+    ("chosen", "index"), [pytest.param((), 0, marks=pytest.mark.long), (("--case", "3"), 3)]
+)
 def test_the_command_writes_and_prints_what_came_of_it_and_a_seed_makes_it_the_same_again(
     tmp_path, capsys, monkeypatch, chosen, index
 ):

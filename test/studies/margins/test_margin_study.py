@@ -131,7 +131,12 @@ def left_of_an_answer(configuration, axis, **simulator):
 
 @pytest.mark.parametrize(
     ("axis", "share", "least", "most"),
-    [(1, 0.85, 0.0, 0.5), (1, 1.15, 1.5, np.inf), (0, 0.85, 0.0, 0.01), (0, 1.15, 0.5, np.inf)],
+    [
+        pytest.param(1, 0.85, 0.0, 0.5, marks=pytest.mark.long),
+        pytest.param(1, 1.15, 1.5, np.inf, marks=pytest.mark.long),
+        (0, 0.85, 0.0, 0.01),
+        (0, 1.15, 0.5, np.inf),
+    ],
 )
 def test_a_flight_bears_the_delay_and_gain_that_are_told_and_no_more(
     configuration, margins, axis, share, least, most
