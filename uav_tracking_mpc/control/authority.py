@@ -53,7 +53,7 @@ class Scale(NamedTuple):
         step: By how much more than what is given then the ceiling rises, likewise.
         peak: By how much what is given may pass its mean meanwhile, likewise: gusts turn an
             aircraft both ways, a limit is never passed.
-        least: The least ceiling, likewise; below it, it is a gust.
+        least: The least ceiling, likewise: no autopilot banks by less, a gust or a link that is late does.
     """
 
     missing: float
@@ -64,7 +64,7 @@ class Scale(NamedTuple):
     least: float
 
 
-BANK = Scale(0.14, 0.02, 0.02, 0.1, 0.06, 0.1)  # rad s, and rad
+BANK = Scale(0.14, 0.02, 0.02, 0.1, 0.06, 0.15)  # rad s, and rad
 # m/s, and m/s^2: within a span a force changes with every gust, peaks say nothing
 FORCE = Scale(2.0, 0.25, 0.6, 0.6, math.inf, -math.inf)
 
