@@ -65,7 +65,10 @@ TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how 
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
 AVERAGING_TIME = 5.0  # s
-STEADY_SHARE = 0.1  # -, of the airspeed, that the air velocity may be apart from its average
+# -, of the airspeed, that the air velocity may be apart from its average in calm air; and how much
+# closer its square must be in moderate gusts: what the average takes up of one is taken for alpha
+# all the same, and in an hour of gusts the aircraft would fly a tenth too fast
+STEADY_SHARE, CLOSER = 0.1, 10.0
 
 P, W, G, B = (slice(3 * k, 3 * k + 3) for k in range(4))
 T = slice(12, 14)
@@ -173,6 +176,7 @@ def predicted(
         covariance=covariance,
         loose=loose,
         times=times,
+        walk=walks[0],
     )
 
 
@@ -256,7 +260,8 @@ def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> SimpleNam
     factor = ca.chol(spread)  # upper: R^T R
     gain = ca.solve(factor, ca.solve(factor.T, crossed)).T
     # Heading and airspeed are sure while the aircraft turns as it did over the average.
-    gain[ALPHA:, :] *= ca.sumsqr(apart) <= STEADY_SHARE**2 * ca.sumsqr(air)
+    closer = 1.0 + CLOSER * (lane.walk / GUST_WALK) ** 2
+    gain[ALPHA:, :] *= closer * ca.sumsqr(apart) <= STEADY_SHARE**2 * ca.sumsqr(air)
     after = state + gain @ (measured - explained)
     # Of the consider filter too this is the upper triangle: alpha and beta come last.
     covariance -= gain @ crossed
