@@ -15,6 +15,7 @@
 """A limit cycle is noticed with its period and amplitude; swings in gusts are none."""
 
 import math
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -84,6 +85,22 @@ def test_noise_with_the_correlation_of_gusts_is_hardly_ever_taken_for_one():
             values.append(value)
         alarms += any(found is not None for found in watched(values))
     assert alarms <= 1
+
+
+@pytest.mark.parametrize("period", [1.3, 4.5])
+def test_what_gusts_make_of_a_loop_with_a_damping_ratio_of_0_15_is_seldom_taken_for_one(period):
+    """Its periods are equal, but what it swings by comes and goes; it ends when the gusts do."""
+    begun = []
+    for seed in range(10):
+        rng, swing, rate, values = np.random.default_rng(seed), 0.0, 0.0, []
+        natural = 2.0 * math.pi / period
+        for gust in rng.normal(0.0, 0.4, round(60.0 * period / TICK)):
+            rate += TICK * natural * (gust - 0.3 * rate - swing)
+            swing += TICK * natural * rate
+            values.append(swing)
+        told = [found is not None for found in watched(values)]
+        begun += [after for before, after in pairwise(told) if after and not before]
+    assert len(begun) <= 3  # in 600 periods
 
 
 def test_it_ends_when_it_ends_and_says_so_once():
