@@ -103,6 +103,18 @@ def test_what_gusts_make_of_a_loop_with_a_damping_ratio_of_0_15_is_seldom_taken_
     assert len(begun) <= 3  # in 600 periods
 
 
+def test_a_swing_whose_width_has_begun_to_vary_does_not_go_on():
+    """Gusts that go on shaking a loop that was softened are no reason to soften it again."""
+    watch = LimitCycleWatch()
+    for now in times(40.0):
+        width = 0.3 if now < 20.0 else 0.3 + 0.12 * math.sin(0.8 * now)
+        watch.see(now, width * math.sin(4.0 * now))
+        if 15.0 < now < 20.0:
+            assert watch.going_on
+    assert watch.swing is not None
+    assert not watch.going_on
+
+
 def test_it_ends_when_it_ends_and_says_so_once():
     time = times(40.0)
     values = np.where(time < 20.0, 0.3 * np.sin(4.0 * time), 0.0)

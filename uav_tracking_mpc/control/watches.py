@@ -14,8 +14,8 @@
 
 """What goes wrong without failing: limit cycles, another orbit or airspeed than asked for.
 
-A command in gusts or after noise swings as well as a loop at its limit of stability, but neither at
-one period nor with one amplitude.
+A command in gusts or after noise swings as well as a loop at its limit of stability, but not with
+one amplitude, nor at one period unless the loop has little damping.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class LimitCycleWatch:
         if off * self._side <= 0.0 and abs(off) > CROSSING * LEAST_AMPLITUDE:
             self._halves.append((time - self._turned, self._peak))
             self._side, self._turned, self._peak = (1 if off > 0.0 else -1), time, 0.0
-            self.swing = self._judged()
+            self.swing = self._judged(1.0 if before is None else ENDING)
         elif before is not None and time - self._turned > ENDING * before.period:
             self.swing = None
         self._peak = max(self._peak, abs(off))
@@ -112,17 +112,19 @@ class LimitCycleWatch:
 
     @property
     def going_on(self) -> bool:
-        """Whether the latest swing from the mean was still as wide as those before it."""
-        return self.swing is not None and self._halves[-1][1] > 0.5 * self.swing.amplitude
+        """Whether it would be found again, and the latest swing from the mean was still as wide."""
+        if self.swing is None or self._halves[-1][1] <= 0.5 * self.swing.amplitude:
+            return False
+        return self._judged(1.0) is not None
 
-    def _judged(self) -> Swing | None:
-        """The oscillation that the last swings are, if they are one."""
+    def _judged(self, slack: float) -> Swing | None:
+        """The oscillation that the last swings are, if they are one, with a factor on spreads."""
         if len(self._halves) < GROWING:
             return None
         halves, peaks = np.array(self._halves).T
         latest = halves[1 - GROWING :] + halves[-GROWING:-1]
         steady = np.std(latest) <= PERIOD_SPREAD * np.mean(latest)
-        if self.swing is None and steady and np.all(np.diff(peaks[-GROWING:]) > 0.0):
+        if slack == 1.0 and steady and np.all(np.diff(peaks[-GROWING:]) > 0.0):
             period, amplitude = float(np.mean(latest)), float(peaks[-1])
             if amplitude >= LEAST_AMPLITUDE and SHORTEST <= period <= LONGEST:
                 return Swing(period, amplitude)
@@ -130,7 +132,6 @@ class LimitCycleWatch:
             return None
         periods = halves[:-1] + halves[1:]
         period, amplitude = float(np.mean(periods)), float(np.mean(peaks))
-        slack = 1.0 if self.swing is None else ENDING
         alike = (
             np.std(periods) <= slack * PERIOD_SPREAD * period
             and np.std(peaks) <= slack * AMPLITUDE_SPREAD * amplitude
