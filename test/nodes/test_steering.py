@@ -148,6 +148,8 @@ def test_commands_come_only_while_engaged(steered):
     before = len(steered.commands)
     told = "disengaged by the service engage: no command is sent"
     assert steered.spin(lambda: steered.told()[0] == told)
+    values = steered.told()[1]  # nothing is estimated meanwhile: a number would be read as the air
+    assert {values["drift east [m/s]"], values["drift up [m/s]"]} == {"unknown"}
     assert steered.tells("no plan left", "uav_simulator")
     assert len(steered.commands) <= before + 1  # one may have been under way
     # What has been stopped is not started by the lifecycle.

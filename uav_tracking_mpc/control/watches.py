@@ -41,8 +41,8 @@ LEAST_AMPLITUDE = 0.05  # g across the path: 3 deg of bank
 HALF_CYCLES = 11  # that must be alike, five periods and a half
 GROWING = 6  # half cycles of a steady period that grow one by one are enough
 SHORTEST, LONGEST = 0.08, 15.0  # s, of a period
-# -, spread over mean, when it begins. What gusts and noise make of a loop with a damping ratio of 0.1
-# has equal periods as well, but amplitudes that come and go: half a spread in the long run.
+# -, spread over mean, when it begins. Gusts and noise shake a loop with a damping ratio of 0.1 at
+# one period as well, but with amplitudes that come and go: 0.5 in the long run.
 PERIOD_SPREAD, AMPLITUDE_SPREAD = 0.12, 0.2
 ENDING = 2.0  # -, factor on these spreads, and count of periods without a swing, when it ends
 AVERAGING = 8.0  # s, time constant of the mean about which it swings

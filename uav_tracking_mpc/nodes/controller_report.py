@@ -41,8 +41,8 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     MODE,
     OK,
     REASON,
-    air_values,
     controller_status,
+    estimated_values,
     orbit_values,
     response_values,
 )
@@ -283,7 +283,8 @@ class ControllerReport:
             return {**stage, "configured": False, "reason": self._trouble}
         solve, response, modes = self._solve_times, self._response_times, controller.modes
         formulation, navigator = controller.formulation, controller.navigator
-        east, north, up = controller.drift.tolist()
+        air = navigator.air_estimate if controller.parameters.air_estimation else None
+        estimating = modes.mode is not FallbackMode.SILENCE
         envelope = controller.parameters.envelope
         claim = None if self._claims is None else self._claims.claim
         values: dict[str, object] = {
@@ -304,9 +305,7 @@ class ControllerReport:
             )
             or "no",
             **orbit_values(controller.orbit),
-            "drift east [m/s]": east,
-            "drift north [m/s]": north,
-            "drift up [m/s]": up,
+            **estimated_values(controller.drift, air, estimating),
             "target positions rejected": navigator.target.rejected,
             "target positions late": navigator.target.late,
             "target jumps": navigator.target.jumps,
@@ -328,8 +327,6 @@ class ControllerReport:
             **response_values(controller.response),
             **self.peers.values(),
         }
-        if controller.parameters.air_estimation:
-            values |= air_values(navigator.air_estimate)
         decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked

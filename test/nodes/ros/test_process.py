@@ -14,16 +14,23 @@
 
 """Nodes as processes: exit codes, signals, --help."""
 
+from unittest import mock
+
 import pytest
 import yaml
+from builtin_interfaces.msg import Time
 from node_flight import NODES
 from node_harness import ending
 from processes import INTERRUPT, TERMINATE, fatal_words, run_node
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
 from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock
 
 from uav_tracking_mpc.nodes.monitor import Monitor
 from uav_tracking_mpc.nodes.ros.node_reference import HEARD, SERVICES, help_text, sent
-from uav_tracking_mpc.nodes.ros.process import refusal
+from uav_tracking_mpc.nodes.ros.process import refusal, run
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.parameters.specification import specifications
 from uav_tracking_mpc.settings.configuration import SECTIONS
@@ -44,6 +51,37 @@ def test_signals_end_a_node_cleanly(node, stop):
     code, output = run_node(node, stop=stop, after=FIRST_WORDS[node])
     assert code == 0, output
     assert "Traceback" not in output
+
+
+class NegativeTime(Node):
+    """Hears its own clock, of negative and of sound times, until it has heard a sound one."""
+
+    refusal = ""
+
+    def __init__(self):
+        simulated = Parameter("use_sim_time", value=True)
+        super().__init__("negative_time", parameter_overrides=[simulated])
+        self.log = self.get_logger = mock.Mock()
+        self.time, self.sender = -3, self.create_publisher(Clock, "/clock", 10)
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(0.05, self._tick, clock=steady)
+
+    def _tick(self):
+        if self.sender.get_subscription_count() == 0:
+            return
+        if self.get_clock().now().nanoseconds > 0:
+            self.refusal = "heard"
+        self.sender.publish(Clock(clock=Time(sec=self.time)))
+        self.time += 1
+
+
+def test_negative_simulated_time_is_left_out_with_a_warning(monkeypatch, capfd):
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    node = []
+    assert run("negative_time", lambda: node.append(NegativeTime()) or node[0], []) == 2
+    assert "heard" in capfd.readouterr().err
+    warned = [call.args[0] for call in node[0].log().warning.call_args_list]
+    assert "/clock: the time is -3 s, must be at least 0: it is left out" in warned
 
 
 REFUSED = [  # node, arguments of ROS, what the line says

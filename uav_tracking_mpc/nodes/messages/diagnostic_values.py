@@ -24,6 +24,9 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
@@ -102,6 +105,26 @@ def air_values(air: AirEstimate) -> dict[str, object]:
         "bias of heading [deg]": math.degrees(state.beta[0]),
         **air.health.values(),
     }
+
+
+def estimated_values(
+    drift: NDArray[np.float64], air: AirEstimate | None, estimating: bool
+) -> dict[str, object]:
+    """Keys, with units, and values of the drift and what is known of the air.
+
+    Args:
+        drift: Wind less the target's velocity, shape (3,), in [m/s].
+        air: With wind, biases and sensors; None where they are not estimated.
+        estimating: Whether it goes on: else no number is shown, for 0 would be still air.
+    """
+    values: dict[str, object] = {
+        f"drift {axis} [m/s]": value for axis, value in zip(AXES, drift.tolist(), strict=True)
+    }
+    if air is not None:
+        values |= air_values(air)
+    if estimating:
+        return values
+    return {key: "unknown" if isinstance(value, float) else value for key, value in values.items()}
 
 
 def response_values(response: ResponseAdaptation) -> dict[str, object]:

@@ -38,6 +38,7 @@ from rclpy.utilities import remove_ros_args
 
 from uav_tracking_mpc.nodes.ros.endpoints import warn_of_vain_overrides
 from uav_tracking_mpc.nodes.ros.node_reference import help_text
+from uav_tracking_mpc.nodes.ros.rclpy_internals import refuse_negative_time
 from uav_tracking_mpc.nodes.ros.ros_environment import (
     ensure_log_folder,
     exported_domain,
@@ -95,6 +96,7 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
         except Exception as error:  # rclpy has no common base for what a command line can do wrong
             return _fatal(name, refusal_of_ros(error) or str(error))
         node = create()
+        refuse_negative_time(node)
         warn_of_vain_overrides(node)
         _warn_of_vain_files(node, name, arguments)
         try:

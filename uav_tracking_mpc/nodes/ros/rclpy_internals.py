@@ -27,6 +27,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
 
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # a node that was discovered a moment ago
 
@@ -59,6 +60,27 @@ def wrap_transitions(node: LifecycleNode, wrap: Callable[[Callable[..., Any]], A
     """
     service = node._service_change_state
     service.callback = wrap(service.callback)
+
+
+def refuse_negative_time(node: Node) -> None:
+    """Leave out simulated time below 0, with a warning: rclpy raises, which would end the process.
+
+    Args:
+        node: That may follow simulated time.
+    """
+    subscription = node._time_source._clock_sub
+    if subscription is None:
+        return
+    follow = subscription.callback
+
+    def checked(message: Clock) -> None:
+        if message.clock.sec >= 0:
+            follow(message)
+            return
+        words = f"/clock: the time is {message.clock.sec} s, must be at least 0: it is left out"
+        node.get_logger().warning(words, once=True)
+
+    subscription.callback = checked
 
 
 class NumberedSubscription:
