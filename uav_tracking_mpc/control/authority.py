@@ -53,7 +53,8 @@ class Scale(NamedTuple):
         step: By how much more than what is given then the ceiling rises, likewise.
         peak: By how much what is given may pass its mean meanwhile, likewise: gusts turn an
             aircraft both ways, a limit is never passed.
-        least: The least ceiling, likewise: no autopilot banks by less, a gust or a link that is late does.
+        least: The least ceiling, likewise: no autopilot banks by less, but in a gust, or by a plan
+            that comes late, an aircraft does.
     """
 
     missing: float
