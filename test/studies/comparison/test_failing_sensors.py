@@ -207,6 +207,14 @@ def test_an_airspeed_that_nobody_finds_wrong_passes_no_limit(seed, airspeed, wro
     assert 14.0 <= airspeeds.min() <= airspeeds.max() <= 32.0
 
 
+@pytest.mark.long
+def test_in_gusts_a_rigid_aircraft_flies_as_fast_as_is_asked():
+    """What gusts did to the airspeed was taken for a sensor that reads too much."""
+    gusts = "uav_simulator.gust_intensity=15.4"
+    log = flown("jsbsim", "airspeed_bias=0.0", gusts, *NEAR, begin=0.0, end=300.0)
+    assert log.vehicle[log.time > 200.0, 5].mean() == pytest.approx(22.0, abs=0.6)
+
+
 def test_bank_and_turn_tell_an_airspeed_that_is_wrong_from_the_start():
     """It reads 22 m/s at 14: wind and ground velocity alone took minutes to tell."""
     pytest.importorskip("jsbsim")
