@@ -48,10 +48,8 @@ test: $(VENV)/test
 	$(PYTEST) $(HUNG) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
 
 # Threads of linear algebra, of which each worker has one a core, wait for one another by counting.
-# xdist would begin with the files of most tests, which are not the longest: test/conftest.py.
 together: $(VENV)/compiled
-	OPENBLAS_NUM_THREADS=1 $(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile \
-		--no-loadscope-reorder
+	OPENBLAS_NUM_THREADS=1 $(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile
 
 test-long: $(VENV)/test
 	$(PYTEST) $(HUNG) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile

@@ -62,34 +62,6 @@ settings.register_profile("full", max_examples=200, deadline=None, print_blob=Tr
 settings.load_profile("quick")
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_collection():
-    """What is collected stays: the garbage collector would look at all of it, again and again."""
-    gc.disable()
-    try:
-        return (yield)
-    finally:
-        gc.freeze()
-        gc.enable()
-
-
-# Files that take a worker half a minute and more.
-LONGEST = {
-    f"test_{name}"
-    for name in (
-        "campaign", "campaign_run", "closed_loop", "compare", "examples", "failing_sensors", "fly",
-        "launch", "lifecycle", "mavlink_link", "packaging", "page", "parameter_fuzz",
-        "report_scene", "scenarios", "sensor_campaign", "simulated_source", "steered_flight",
-        "steering", "strip",
-    )
-}  # fmt: skip
-
-
-def pytest_collection_modifyitems(items):
-    """What takes longest begins first: no worker is left alone with it at the end."""
-    items.sort(key=lambda item: item.path.stem not in LONGEST)
-
-
 @pytest.fixture(scope="module", autouse=True)
 def nodes_of_this_file_are_gone(request):
     """A context that is shut down keeps its participant and threads until it is collected.
