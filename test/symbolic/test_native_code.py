@@ -25,7 +25,7 @@ import pytest
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.symbolic import code_cache, native_code
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
-from uav_tracking_mpc.symbolic.native_code import MachineCode, NativeFunction, machine_code
+from uav_tracking_mpc.symbolic.native_code import MachineCode, NativeFunction
 
 VALUES = [0.0, -0.0, 1.0, -1.0, 0.37, -2.5, 1e300, 1e-310, math.inf, -math.inf, math.nan]
 X, Y = ca.SX.sym("x"), ca.SX.sym("y")
@@ -51,9 +51,9 @@ def empty(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     (tmp_path / "temp").mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temp"))
-    machine_code.cache_clear()
+    native_code._MADE.clear()
     yield tmp_path / "uav_tracking_mpc"
-    machine_code.cache_clear()
+    native_code._MADE.clear()
 
 
 def made(function):

@@ -28,6 +28,7 @@ import functools
 import hashlib
 import logging
 import threading
+import weakref
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -128,7 +129,11 @@ class MachineCode:
         self.run = linked([content], ENTRY, ctypes.PYFUNCTYPE(None, ctypes.c_void_p))
 
 
-@functools.cache
+# A function may be one of many, such as that of a node which is configured again and again: it is
+# let go of with what uses it.
+_MADE: weakref.WeakKeyDictionary[ca.Function, MachineCode] = weakref.WeakKeyDictionary()
+
+
 def machine_code(function: ca.Function) -> MachineCode:
     """The machine code of a function; a second call returns the same.
 
@@ -138,7 +143,9 @@ def machine_code(function: ca.Function) -> MachineCode:
     Raises:
         NotImplementedError: It has an operation that has no translation.
     """
-    return MachineCode(function)
+    if function not in _MADE:
+        _MADE[function] = MachineCode(function)
+    return _MADE[function]
 
 
 def linked(objects: Iterable[bytes], entry: str, prototype: Callable[[int], Any]) -> Any:
