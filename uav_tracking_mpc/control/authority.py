@@ -37,7 +37,7 @@ LONGEST_GAP = 0.5  # s between two commands; after a longer one it begins anew
 SHORTEST, LONGEST = 2.0, 5.0  # s, of a span
 AT_LIMIT = 0.9  # -, share of what was told that counts as all of it
 LEAST_GAIN = 0.4  # -, of a channel that follows
-NEARLY_HALF = 0.4  # -
+ASKED_SHARE = 0.4  # -, of what is asked for beyond a ceiling: if it is given, there is more
 RISE = 5.0  # -, times the tolerance, by which more must be asked for
 LEVEL = 0.25  # m/s^2, of force that is always counted on: without it no level orbit is left
 
@@ -160,7 +160,7 @@ class Ceiling:
     def _judge(self, before: _Span, now: _Span, told: float) -> bool:
         """Whether two spans change the ceiling."""
         same = self._scale.same
-        if now.given > self.most + NEARLY_HALF * self._scale.more:
+        if now.given > self.most + ASKED_SHARE * self._scale.more:
             self.most, self._gave = now.given + self._scale.step, now.given
             if self.most + self._scale.more >= told:
                 self.most = math.inf

@@ -36,8 +36,8 @@ from uav_tracking_mpc.estimation.measurement import MeasurementError, vector
 from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
 from uav_tracking_mpc.estimation.target_motion import REWIND, TURN, bridged
-from uav_tracking_mpc.estimation.target_track import LEVEL, Motion, TargetTrack
-from uav_tracking_mpc.symbolic.native_code import NativeFunction
+from uav_tracking_mpc.estimation.target_track import LEVEL, Motion, TargetTrack, track_step
+from uav_tracking_mpc.symbolic.native_code import NativeFunction, machine_code
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
 RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be fast, not noisy
@@ -66,6 +66,7 @@ class TargetFilter:
     def __init__(self, noise: float, agility: float, speed: float = 5.0) -> None:
         self._told, self._agility, self._speed = noise, agility, speed
         self._turn = NativeFunction(TURN)
+        machine_code(track_step())  # it takes too long when the first position comes
         self.reset()
 
     def tune(self, noise: float, agility: float) -> None:

@@ -137,7 +137,7 @@ class TargetTrack:
         weights = np.maximum(np.exp(nearness - nearness.max()), PROBABILITY_MIN)
         self.probabilities[:] = weights / weights.sum()
         self.covariances[:] = np.tensordot(self.probabilities, self._covariances, 1)
-        self._step = NativeFunction(_step(), [self._memory])
+        self._step = NativeFunction(track_step(), [self._memory])
 
     @property
     def agility(self) -> float:
@@ -255,7 +255,7 @@ class TargetTrack:
 
 @functools.cache
 @one_at_a_time
-def _step() -> ca.Function:
+def track_step() -> ca.Function:
     """The track after a measurement, and whether that is within the gate."""
     memory, known = TRACK.symbol("track")
     told, seen = SEEN.symbol("seen")

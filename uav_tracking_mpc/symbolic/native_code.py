@@ -16,7 +16,7 @@
 
 CasADi goes through the operations of a function one by one. LLVM translates them as they stand:
 nothing is reordered or fused, and functions of the C library are called as CasADi calls them. That
-takes a second or two for thousands of operations. It is done once, in a thread, while CasADi
+takes tenths of a second for thousands of operations. It is done once, in a thread, while CasADi
 evaluates; what has been made is kept, and loaded in milliseconds from then on.
 """
 
@@ -169,13 +169,26 @@ def _machine() -> binding.TargetMachine:
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
     target = binding.Target.from_default_triple()
-    return target.create_target_machine(opt=1, codemodel="jitdefault", jit=True)
+    # To optimise takes up to forty times as long, in which a node may wait for LLVM to load its
+    # solver, and makes a step of the controller faster by a hundredth.
+    return target.create_target_machine(opt=0, codemodel="jitdefault", jit=True)
+
+
+@functools.cache
+def _triple() -> str:
+    """Of this machine, asked for once: LLVM's answer waits for what it translates in a thread."""
+    return binding.get_process_triple()  # type: ignore[no-any-return]
+
+
+@functools.cache
+def _maker() -> str:
+    """All that makes machine code of a function."""
+    return f"{_triple()} {binding.llvm_version_info} {Path(__file__).read_text()}"
 
 
 def _digest(function: ca.Function) -> str:
     """Of the function, and of all that makes machine code of it."""
-    maker = binding.get_process_triple(), binding.llvm_version_info, Path(__file__).read_text()
-    text = f"{maker} {function.serialize()}"
+    text = f"{_maker()} {function.serialize()}"
     return hashlib.sha256(text.encode()).hexdigest()[:20]
 
 
@@ -199,7 +212,7 @@ def assembly(function: ca.Function) -> str:
         NotImplementedError: It has an operation that has no translation.
     """
     module = ir.Module(function.name())
-    module.triple = binding.get_process_triple()
+    module.triple = _triple()
     pointers = DOUBLE.as_pointer().as_pointer()
     entry = ir.Function(module, ir.FunctionType(ir.VoidType(), [pointers]), ENTRY)
     builder = ir.IRBuilder(entry.append_basic_block())
