@@ -124,6 +124,8 @@ def test_before_a_change_it_stands_where_that_was():
         ),
         ({"seed": 4, "motion": "circle"}, "'seed' is 4, must stay 0 while the target moves"),
         ({"motion": f"{__file__}:Broken"}, "which failed: no wheels"),
+        ({"motion": f"{__file__}:Flat"}, r"whose position is \[0\. 0\.\], must be three finite"),
+        ({"motion": f"{__file__}:Nowhere"}, "whose velocity is .*nan.*, must be three finite"),
     ],
 )
 def test_what_it_does_not_know_is_refused_and_nothing_changes(values, words):
@@ -142,6 +144,24 @@ class Broken(type(motion_of(LINE))):
 
     def __init__(self, parameters):
         raise RuntimeError("no wheels")
+
+
+class Flat(type(motion_of(LINE))):
+    """A motion without a height."""
+
+    name = "flat"
+
+    def position(self, time):
+        return np.zeros(2)
+
+
+class Nowhere(type(motion_of(LINE))):
+    """A motion without a velocity."""
+
+    name = "nowhere"
+
+    def velocity(self, time):
+        return np.full(3, np.nan)
 
 
 def test_noise_alone_does_not_touch_the_motion():

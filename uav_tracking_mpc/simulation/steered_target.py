@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
+from uav_tracking_mpc.parameters.specification import refuse_fixed
 from uav_tracking_mpc.settings.simulator import MEASURED, TargetParameters
 from uav_tracking_mpc.simulation.motions import TargetMotion, motion_of
 
@@ -53,7 +53,7 @@ class SteeredTarget:
         parameters: As they are now.
 
     Raises:
-        ParameterError: There is no such motion.
+        ParameterError: As of :func:`motion_of`.
     """
 
     def __init__(self, parameters: TargetParameters) -> None:
@@ -69,19 +69,10 @@ class SteeredTarget:
             parameters: All of them.
 
         Raises:
-            ParameterError: There is no such motion, it fails, or one differs that is fixed.
+            ParameterError: As of :func:`motion_of`, or one differs that is fixed.
         """
         refuse_fixed(self.parameters, parameters, "while the target moves")
-        try:
-            motion = motion_of(parameters)
-            motion.starting(parameters, motion.position(0.0), motion.velocity(0.0))
-        except ParameterError:
-            raise
-        except Exception as error:  # whatever a user's motion raises, the target moves on
-            name = parameters.motion
-            raise ParameterError(
-                f"parameter 'motion' is {name!r}, which failed: {error}"
-            ) from error
+        motion_of(parameters)
 
     def change(self, time: float, parameters: TargetParameters) -> None:
         """Move otherwise from now on.

@@ -99,10 +99,22 @@ def motion_of(parameters: TargetParameters) -> TargetMotion:
         parameters: Name and figures of the motion.
 
     Raises:
-        ParameterError: There is no motion of that name.
+        ParameterError: There is no motion of that name, it fails, or it does not give three finite
+            numbers.
     """
+    name = parameters.motion
     try:
-        motion = TARGET_MOTION.find(parameters.motion)
+        motion = TARGET_MOTION.find(name)(parameters)
+        begin = {"position": motion.position(0.0), "velocity": motion.velocity(0.0)}
+        for what, value in begin.items():
+            if np.shape(value) != (3,) or not np.isfinite(value).all():
+                words = f"whose {what} is {value}, must be three finite numbers"
+                raise ParameterError(f"parameter 'motion' is {name!r}, {words}")
+        motion.starting(parameters, *begin.values())
     except ExtensionError as error:
         raise ParameterError(f"parameter 'motion': {error}") from error
-    return motion(parameters)
+    except ParameterError:
+        raise
+    except Exception as error:  # whatever a user's motion raises
+        raise ParameterError(f"parameter 'motion' is {name!r}, which failed: {error}") from error
+    return motion
