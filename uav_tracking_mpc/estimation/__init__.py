@@ -33,7 +33,6 @@
 ``command_history``      commands that were sent, as the aircraft flies them
 ``response_candidates``  responses to those commands, for a grid of lags and dead times
 ``response_estimator``   lag, dead time, gain and their deviations, from commands and response
-``outlook``              target and drift from now on, from what is known of both
 ``navigator``            measurements in, situations and forecast out
 ``situation``            aircraft, target and the drift between them, now and over a horizon
 =======================  =======================================================================

@@ -30,10 +30,9 @@ from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
 from uav_tracking_mpc.estimation.response_candidates import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, USED, VELOCITY
-from uav_tracking_mpc.estimation.situation import Forecast, Situation
+from uav_tracking_mpc.estimation.situation import FADE_TIME, KNOWN, Forecast, Situation, outlook
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
@@ -99,8 +98,7 @@ class Navigator:
         self._step = NativeFunction(step_function(self._model))
         self.air.holds_altitude = self._model.commanded == 1
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
-        self._times = np.zeros(parameters.horizon + 2)
-        self._outlook = Outlook(len(self._times))
+        self._outlook = NativeFunction(outlook(len(self._stages) + 1))
         self.change(parameters)
         self.reset()
 
@@ -262,23 +260,34 @@ class Navigator:
         time, self.airspeed = measurement.stamp, float(vehicle[5])
         delay = max(self._dead_time) + min(max(self.latency, 0.0), self._latest)
         track = self.target.track
-        motion, ground = track.state.reshape(-1), float(track.state[0, 2])
-        turning = track.variance(2), track.turn_rate, *self.target.bridge(time)
+        travelled, left = self.target.bridge(time)
+        ground = float(track.state[0, 2])
         self._below = ground - float(measurement.position[2])
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
         self._time = time
         self._follow_acceleration(time, elapsed)
         air = self._aircraft_in_air(measurement, vehicle, ground)
         self._go_astray(elapsed)
-        np.add(self._stages, delay, out=self._times[1:])
-        blowing = air.wind, air.trend, air.gust, air.times
-        faded = self._fading(time).reshape(-1)
-        ahead = self._outlook(motion, turning, faded, blowing, self._times)
-        target, drift, drift_rate = ahead[:, 0]
-        present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
+        known, times = self._outlook.arguments
+        KNOWN.fill(
+            known,
+            motion=track.state.reshape(-1),
+            variance=track.variance(2),
+            turn_rate=track.turn_rate,
+            travelled=travelled,
+            left=left,
+            faded=self._fading(time).reshape(-1),
+            wind=air.wind,
+            trend=air.trend,
+            gust=air.gust,
+            times=air.times,
+        )
+        times[1:] = self._stages + delay  # and now
+        self._outlook.evaluate()
+        ahead = self._outlook.results[0].reshape(-1, 3, 3).swapaxes(0, 1).copy()
+        present = Situation(air.vehicle, *ahead[:, 0], air.rates)
         self.wind = air.wind + air.gust
-        targets, drifts, drift_rates = ahead[:, 1:]
-        forecast = Forecast(targets, drifts, drift_rates, float(air.walk[0]))
+        forecast = Forecast(*ahead[:, 1:], float(air.walk[0]))
         if delay == 0.0:
             return Estimate(present, present, forecast)
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)
