@@ -260,7 +260,7 @@ class Navigator:
         time, self.airspeed = measurement.stamp, float(vehicle[5])
         delay = max(self._dead_time) + min(max(self.latency, 0.0), self._latest)
         track = self.target.track
-        travelled, left = self.target.bridge(time)
+        travelled, left = track.bridge(time - track.time)
         ground = float(track.state[0, 2])
         self._below = ground - float(measurement.position[2])
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
@@ -285,9 +285,11 @@ class Navigator:
         times[1:] = self._stages + delay  # and now
         self._outlook.evaluate()
         ahead = self._outlook.results[0].reshape(-1, 3, 3).swapaxes(0, 1).copy()
-        present = Situation(air.vehicle, *ahead[:, 0], air.rates)
+        target, drift, drift_rate = ahead[:, 0]
+        present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
         self.wind = air.wind + air.gust
-        forecast = Forecast(*ahead[:, 1:], float(air.walk[0]))
+        targets, drifts, drift_rates = ahead[:, 1:]
+        forecast = Forecast(targets, drifts, drift_rates, float(air.walk[0]))
         if delay == 0.0:
             return Estimate(present, present, forecast)
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)

@@ -14,9 +14,9 @@
 
 """Where the target is and will be, from measured positions that may be wrong, late or missing.
 
-How noisy the positions are and how hard the target accelerates is found from the positions
-themselves (:mod:`~uav_tracking_mpc.estimation.measurement_noise`,
-:mod:`~uav_tracking_mpc.estimation.target_track`); what is told is only where both begin.
+How noisy the positions are (:class:`MeasurementNoise`) and how hard the target accelerates
+(:mod:`~uav_tracking_mpc.estimation.target_track`) is found from the positions themselves; what is
+told is only where both begin.
 
 A position that the track can hardly explain is left out. Should the next ones be left out too and
 agree with each other, then the target has jumped and the track starts anew from them. The noise is
@@ -28,14 +28,16 @@ are seen to differ much.
 from __future__ import annotations
 
 import math
+from collections import deque
+from collections.abc import Iterable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError, vector
-from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
-from uav_tracking_mpc.estimation.target_motion import REWIND, TURN, bridged
+from uav_tracking_mpc.estimation.target_motion import REWIND, TURN
 from uav_tracking_mpc.estimation.target_track import LEVEL, Motion, TargetTrack, track_step
 from uav_tracking_mpc.symbolic.native_code import NativeFunction, machine_code
 
@@ -44,6 +46,22 @@ RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be 
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
+
+# How noisy the positions are
+WINDOW = 240  # second differences that count
+NEWEST = 24  # of them, which notice that the noise has changed
+CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but once in a thousand
+COMPARED = 96  # of them, by which axes are compared: noise of a camera turns with where it looks
+KNOWN = 3  # second differences after which the noise is known, with what is told
+SPAN = 5.0  # s, within which the target's acceleration is taken as small
+RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
+QUANTILE = 0.4  # -, that is compared: with 20 % outliers half of the differences are wrong
+CHI_SQUARE = 1.8691684  # -, that quantile, of 3 degrees of freedom
+CHI_SQUARE_AXIS = 0.2749959  # -, the same of 1
+# -: greatest variance over the least, from which on axes have shares of their own (by chance once
+# in a thousand), and still have; and the least share, that of an axis without noise
+UNEVEN, EVEN, SHARE_MIN = 4.0, 2.0, 1e-6
+SCALE_MIN, SCALE_MAX = 1e-12, 1e12  # -, of what is believed of a variance
 
 
 class TargetFilter:
@@ -175,7 +193,7 @@ class TargetFilter:
         """
         own = self._own or self._told if told is None else 0.0
         if own != self._own:  # covariances come from now on, or no longer
-            self._scaling.reset()
+            self._scaling = MeasurementNoise()
             self._own = own
         begun = np.full(3, own**2) if told is None else told
         self._scaling.see(time, position, begun)
@@ -221,24 +239,13 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        track, (travelled, left) = self.track, self.bridge(time)
+        track = self.track
+        travelled, left = track.bridge(time - track.time)
         motion, variance, turn_rate, lead = self._turn.arguments
         motion[:], variance[0], turn_rate[0] = track.state.flat, track.variance(2), track.turn_rate
         lead[0] = max(travelled, -REWIND)
         self._turn.evaluate()
         return self._turn.results[0].reshape(3, 3) * [[1.0], [left], [left * left]]
-
-    def bridge(self, time: float) -> tuple[float, float]:
-        """See :func:`bridged`, from the time of the track on.
-
-        Args:
-            time: Now in [s].
-
-        Raises:
-            ValueError: Nothing has been measured yet.
-        """
-        track = self.track
-        return bridged(min(time - track.time, FORGOTTEN), track.held)
 
     @property
     def track(self) -> TargetTrack:
@@ -280,3 +287,105 @@ def _of_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
             f"covariance of the target is {covariance.tolist()}, must not be negative"
         )
     return np.maximum([east, north, up if up > 0.0 else max(east, north)], NOISE_MIN**2)
+
+
+class MeasurementNoise:
+    r"""How noisy measured positions are, from the positions alone.
+
+    The second difference of three positions z at intervals h_0 and h_1,
+
+    .. math:: d = z_2 - z_1 - \rho (z_1 - z_0), \quad \rho = h_1 / h_0
+
+    does not depend on where the target is and how fast. Its variance on an axis is R_2 + (1 +
+    rho)^2 R_1 + rho^2 R_0, and as long as the target hardly accelerates in h_0 + h_1 nothing else
+    is in it. With R = s R_told the factor s is a quantile of many squared second differences over
+    the variance that is told, divided by that of chi-square: turns on the spot, jumps and outliers
+    are rare and leave a quantile alone, and no filter that has lost the target misleads it.
+
+    Where the axes differ much, as the height and the distance of many trackers do from the rest,
+    each has a share of s of its own, from the same quantile of its own squares. That takes more of
+    them.
+
+    Many of them make the factor accurate, few of them make it quick: the last few hundred count as
+    long as the newest agree with them, and the newest alone where they do not, for the noise has
+    changed.
+
+    Attributes:
+        scales: The factor of each axis, 1 before anything is known, shape (3,), [-].
+        known: Whether enough has been measured for the factors to be more than a guess.
+    """
+
+    def __init__(self) -> None:
+        self._recent: deque[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = deque(
+            maxlen=2
+        )
+        # -: second differences by what is told on each axis, sums of their squares by the shares
+        self._axes: deque[list[float]] = deque(maxlen=WINDOW)
+        self._squares = deque([CHI_SQUARE], maxlen=WINDOW)
+        # -: variance of each axis over what is told, and the quantile of the sums that goes with it
+        self._shares, self._usual, self._count = [1.0, 1.0, 1.0], CHI_SQUARE, 0
+        self._uneven = False
+        self.scales, self.known = np.ones(3), False
+
+    def see(
+        self, time: float, position: NDArray[np.float64], variances: NDArray[np.float64]
+    ) -> None:
+        """Take in a position, whether or not a filter believes it.
+
+        Args:
+            time: When it was measured, after the one before, in [s].
+            position: Shape (3,), in [m].
+            variances: On each axis as they are told, shape (3,), in [m^2].
+        """
+        recent = self._recent
+        if len(recent) == 2:
+            (t0, z0, r0), (t1, z1, r1) = recent
+            if time - t0 <= SPAN and time - t1 <= RATIO_MAX * (t1 - t0):
+                ratio = (time - t1) / (t1 - t0)
+                difference = position - z1 - ratio * (z1 - z0)
+                told = variances + (1.0 + ratio) ** 2 * r1 + ratio * ratio * r0
+                self._add((difference / np.sqrt(told)).tolist())
+        recent.append((time, position, variances))
+
+    def _add(self, differences: list[float]) -> None:
+        self._axes.append(differences)
+        self._squares.append(self._sum(differences))
+        self._count += 1
+        if self._count % NEWEST == 0 and len(self._axes) >= COMPARED:
+            self._share()
+        level = _quantile(self._squares)
+        if len(self._squares) >= 2 * NEWEST:
+            newest = list(self._squares)[-NEWEST:]
+            recent = _quantile(newest)
+            if not level <= CHANGED * recent <= CHANGED**2 * level:
+                self._squares, level = deque(newest, maxlen=WINDOW), recent
+                self._axes = deque(list(self._axes)[-NEWEST:], maxlen=WINDOW)
+        scales = level / self._usual * np.array(self._shares)
+        self.scales = np.clip(scales, SCALE_MIN, SCALE_MAX)
+        self.known = len(self._squares) >= KNOWN
+
+    def _sum(self, differences: list[float]) -> float:
+        return sum(d * d / share for d, share in zip(differences, self._shares, strict=True))
+
+    def _share(self) -> None:
+        """Compare the axes; noise goes up and down in turn, as no way of a target does."""
+        axes = list(zip(*list(self._axes)[-COMPARED:], strict=True))
+        own = [_quantile(d * d for d in axis) / CHI_SQUARE_AXIS for axis in axes]
+        most, noisiest = max(own), axes[own.index(max(own))]
+        uneven = most > (EVEN if self._uneven else UNEVEN) * min(own)
+        uneven = uneven and sum(one * other for one, other in pairwise(noisiest)) < 0.0
+        if uneven or self._uneven:
+            least = max(SHARE_MIN * most, SCALE_MIN)
+            self._shares = [max(each, least) if uneven else 1.0 for each in own]
+            self._axes = deque(list(self._axes)[-COMPARED:], maxlen=WINDOW)
+            self._squares = deque(map(self._sum, self._axes), maxlen=WINDOW)
+            self._usual = _quantile(self._squares) if uneven else CHI_SQUARE
+        self._uneven = uneven
+
+
+def _quantile(values: Iterable[float]) -> float:
+    """As NumPy's, in a tenth of its time for so few values."""
+    ordered = sorted(values)
+    at = QUANTILE * (len(ordered) - 1)
+    share, low, high = at % 1.0, ordered[int(at)], ordered[math.ceil(at)]
+    return low + share * (high - low) if share < 0.5 else high - (1.0 - share) * (high - low)

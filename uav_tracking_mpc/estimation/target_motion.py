@@ -111,10 +111,8 @@ def bridged(age: float, held: float = BRIDGE_TIME) -> tuple[float, float]:
     Returns:
         Time in [s], and the share, from 0 to 1.
     """
-    if age <= held:
-        return age, 1.0
-    left = math.exp(-(age - held) / FADE_TIME)
-    return held + FADE_TIME * (1.0 - left), left
+    left = math.exp(-max(age - held, 0.0) / FADE_TIME)
+    return min(age, held) + FADE_TIME * (1.0 - left), left
 
 
 def _turn() -> ca.Function:

@@ -144,10 +144,14 @@ class TargetTrack:
         """Standard deviation of the target's acceleration, over the modes, in [m/s^2]."""
         return math.sqrt(float(self.probabilities @ AGILITIES**2))
 
-    @property
-    def held(self) -> float:
-        """For how long it is taken to run on without being seen in [s]."""
-        return STRAIGHT_TIME if self.probabilities[QUIET] > STRAIGHT else BRIDGE_TIME
+    def bridge(self, age: float) -> tuple[float, float]:
+        """See :func:`bridged`: it runs on for longer where it has run straight on.
+
+        Args:
+            age: Of the track in [s].
+        """
+        straight = self.probabilities[QUIET] > STRAIGHT
+        return bridged(age, STRAIGHT_TIME if straight else BRIDGE_TIME)
 
     def variance(self, order: int) -> float:
         """Variance of a derivative of the position, mean of the level axes, in SI units.
@@ -223,10 +227,8 @@ class TargetTrack:
     ) -> bool:
         """Whether a measured derivative of order 0 or 1 is taken in: else nothing changes."""
         transition, noise = singer_motion(elapsed)
-        carried = transition
-        if elapsed > self.held:
-            travelled, left = bridged(elapsed, self.held)
-            carried = singer_motion(travelled)[0] * [[1.0], [left], [left]]
+        travelled, left = self.bridge(elapsed)
+        carried = singer_motion(travelled)[0] * [[1.0], [left], [left]]
         SEEN.fill(
             self._step.arguments[1],
             elapsed=elapsed,
