@@ -257,10 +257,6 @@ class FlightPath:
     """
 
     def __init__(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the aircraft."""
         self.direction = FlightDirection()
         self._followed = Followed()  # w [m/s] and a [m/s^2]
         self.climb = Climb()
