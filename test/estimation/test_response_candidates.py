@@ -17,7 +17,7 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.response_candidates import (
+from uav_tracking_mpc.estimation.response_estimator import (
     ACCELERATION,
     CAPACITY,
     DEAD_TIMES,

@@ -166,14 +166,6 @@ def air_checked(
         residuals += [ca.if_else(present, level * reading - speed, 0.0), speed * off]
     enough = ca.if_else(settled, WIND_IN_GUSTS, WIND_KNOWN)
     known_winds = ca.logic_and(elapsed > 0.0, wind_deviations <= enough)
-    compared = ca.vertsplit(known_winds)
-    moved = ca.fmax(
-        ca.norm_2(explained - known.explained), known.moved * ca.exp(-elapsed / CHANGES)
-    )
-    followed, recent = (
-        value + ca.fmin(elapsed / time, 1.0) * (explained - value)
-        for value, time in ((known.explained, CHANGES), (known.recent, CHANGE_TIME))
-    )
     after = _compared(
         known,
         elapsed,
@@ -182,19 +174,17 @@ def air_checked(
         own,
         turn_told,
         ca.vertcat(*TURNED) * wind_deviations,
-        moved,
-        ca.norm_2(explained - recent),
+        explained,
     )
+    # What is known where nothing is compared
+    known.weight, known.moved, known.explained, known.recent = 0.0, 0.0, explained, explained
+    airspeed_compared = known_winds[AIRSPEED]
     for name, value in vars(after).items():
-        judged = {4: _of_residuals(known_winds), 2: known_winds, 1: compared[AIRSPEED]}[
-            value.numel()
-        ]
+        judged = {4: _of_residuals(known_winds), 2: known_winds}.get(
+            value.numel(), airspeed_compared
+        )
         setattr(known, name, ca.if_else(judged, value, getattr(known, name)))
-    known.weight = ca.if_else(known_winds, after.weight, 0.0)
-    known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
-    known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
-    known.recent = ca.if_else(compared[AIRSPEED], recent, explained)
-    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + moved
+    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + after.moved
     # When the comparison begins, the wind may still be what is wrong.
     early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
     gate += early * DEVIATIONS * wind_deviations[AIRSPEED]
@@ -254,10 +244,13 @@ def _compared(
     own: ca.SX,
     turn_told: ca.SX,
     turned: ca.SX,
-    changes: ca.SX,
-    lately: ca.SX,
+    explained: ca.SX,
 ) -> SimpleNamespace:
     """What is known after residuals have been followed, with the states of both sensors."""
+    moved = ca.norm_2(explained - known.explained)
+    moved = ca.fmax(moved, known.moved * ca.exp(-elapsed / CHANGES))
+    followed = known.explained + ca.fmin(elapsed / CHANGES, 1.0) * (explained - known.explained)
+    recent = known.recent + ca.fmin(elapsed / CHANGE_TIME, 1.0) * (explained - known.recent)
     fresh, reasons = weight == 0.0, known.reasons
     begins = _of_residuals(fresh)
     now, before = (ca.if_else(begins, residuals, each) for each in (known.now, known.before))
@@ -282,10 +275,10 @@ def _compared(
     jumps, its_jump, its_lasting = now - before, (now - before)[ITS], lasting[ITS]
     usual = DEVIATIONS * ca.sqrt(known.jumps[OTHER] + turned**2)
     usual = ca.fmax(usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[ITS]))
-    usual = ca.fmax(usual, ca.vertcat(lately, 0.0))
+    usual = ca.fmax(usual, ca.vertcat(ca.norm_2(explained - recent), 0.0))
     most = ca.fmax(LEAST_JUMP + usual, DOMINANCE * ca.fabs(jumps[OTHER]))
     least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[OTHER])
-    least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[OTHER])) + ca.vertcat(changes, 0.0)
+    least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[OTHER])) + ca.vertcat(moved, 0.0)
     by_sensor, size = ca.sign(its_jump) * owned, ca.fabs(its_jump)
     by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
     jumped = (size > most) * (by_sensor > OWN_SHARE * size)
@@ -323,6 +316,9 @@ def _compared(
         drifted=drifted,
         doubts=ca.if_else(again[AIRSPEED], 0.0, doubts),
         unexplained=unexplained,
+        moved=moved,
+        explained=followed,
+        recent=recent,
         jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )

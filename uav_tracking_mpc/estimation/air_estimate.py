@@ -40,10 +40,7 @@ from uav_tracking_mpc.estimation import (
     rate_aided,
     wind_filter,
 )
-from uav_tracking_mpc.estimation.air_check import AIR_CHECK, COMPASS_CHECK
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.motion_check import POSITION_CHECK, VELOCITY_CHECK
-from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
 from uav_tracking_mpc.estimation.sensor_health import (
     CODE,
     HEADING,
@@ -91,12 +88,12 @@ MEMORY = Layout(
     meters=wind_filter.METERS.layout,
     places=wind_filter.PLACES.layout,
     quick=wind_filter.QUICK,
-    aided=RATE_AIDED,
-    air=AIR_CHECK,
-    compass=COMPASS_CHECK,
+    aided=rate_aided.RATE_AIDED,
+    air=air_check.AIR_CHECK,
+    compass=air_check.COMPASS_CHECK,
     follower=wind_filter.FOLLOWER,
-    velocity=VELOCITY_CHECK,
-    place=POSITION_CHECK,
+    velocity=motion_check.VELOCITY_CHECK,
+    place=motion_check.POSITION_CHECK,
     ground=3,
 )
 # (x, y, z, psi, chi, v) through the air; (psi', chi', v'); mean wind [m/s] and how it changes

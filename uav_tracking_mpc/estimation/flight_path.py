@@ -154,11 +154,15 @@ class Followed:
     def see(self, step: float, measured: float, frequency: float) -> None:
         """Take in a measurement, for which the filter's equation is solved as if it stood still.
 
+        After a gap it begins anew.
+
         Args:
             step: Since the one before in [s].
             measured: The value.
             frequency: omega in [rad/s].
         """
+        if not 0.0 <= step <= LONGEST_STEP:
+            self.value, self.rate, step = measured, 0.0, 0.0
         faded, error = math.exp(-frequency * step), self.value - measured
         slope = self.rate - frequency * error
         error += step * slope
@@ -327,10 +331,7 @@ class FlightPath:
         bridged = up + self.climb.nose_climb - self._nose_climb  # since it was measured
         climb_failed = climb_stuck or self.climb.failed
         up = by_pitch if velocity_failed or climb_failed else bridged
-        if 0.0 < step <= LONGEST_STEP:
-            climb.see(step, up, climb_frequency)
-        elif step != 0.0:
-            climb.value, climb.rate = up, 0.0
+        climb.see(step, up, climb_frequency)
         if not velocity_failed:  # else it shall not agree because it was replaced
             ground_velocity[2] = climb.value
             if climb_failed:

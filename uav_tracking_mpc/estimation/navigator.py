@@ -30,7 +30,7 @@ from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.response_candidates import ACCELERATION
+from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, USED, VELOCITY
 from uav_tracking_mpc.estimation.situation import FADE_TIME, KNOWN, Forecast, Situation, outlook
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
