@@ -216,4 +216,4 @@ def test_the_covariance_stays_positive_definite(steps, noise, agility):
             assert np.linalg.eigvalsh(covariance / np.outer(scale, scale))[0] > 0.0
         assert np.all(np.isfinite(track.state)) and np.isfinite(track.turn_rate)
         assert track.probabilities.sum() == pytest.approx(1.0)
-        assert np.isfinite(track.position_std(10.0))
+        assert np.isfinite(track.position_std(track.time + 10.0))

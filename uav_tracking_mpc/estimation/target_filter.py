@@ -38,12 +38,17 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.estimation.measurement import MeasurementError, vector
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
 from uav_tracking_mpc.estimation.target_motion import REWIND, TURN
-from uav_tracking_mpc.estimation.target_track import LEVEL, Motion, TargetTrack, track_step
+from uav_tracking_mpc.estimation.target_track import (
+    FORGOTTEN,
+    LEVEL,
+    Motion,
+    TargetTrack,
+    track_step,
+)
 from uav_tracking_mpc.symbolic.native_code import NativeFunction, machine_code
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
 RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be fast, not noisy
-FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
 
@@ -197,9 +202,8 @@ class TargetFilter:
             self._own = own
         begun = np.full(3, own**2) if told is None else told
         self._scaling.see(time, position, begun)
-        scales = self._scaling.scales
-        scaled = begun * (scales if told is None else np.maximum(scales, 1.0))
-        variances = np.maximum(scaled, NOISE_MIN**2)
+        least = 0.0 if told is None else 1.0
+        variances = np.maximum(begun * np.maximum(self._scaling.scales, least), NOISE_MIN**2)
         self.noise = math.sqrt(max(variances[LEVEL].tolist()))
         return variances
 
@@ -214,20 +218,8 @@ class TargetFilter:
         """A track of one measurement."""
         track = TargetTrack(time, position, variances, self._agility, speed)
         if motion is not None:
-            track.see_velocity(*motion, GATE)
+            track.see(1, *motion, GATE)
         return track
-
-    def position_std(self, time: float) -> float:
-        """Standard deviation of the position on the worse level axis in [m].
-
-        Args:
-            time: When, in [s]; before the newest position that of the newest one stands in.
-
-        Raises:
-            ValueError: Nothing has been measured yet.
-        """
-        track = self.track
-        return track.position_std(min(max(time - track.time, 0.0), FORGOTTEN))
 
     def motion(self, time: float) -> NDArray[np.float64]:
         """Position [m], velocity [m/s], acceleration [m/s^2], in ``map``, rows of shape (3, 3).

@@ -73,6 +73,7 @@ OUTLIER_WEIGHT = math.log(0.03)  # -, logarithm of the share of measurements tha
 OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
 SECOND = 4.0  # -, factor on the gate of a track's second position: its velocity is not known yet
 ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
+FORGOTTEN = 300.0  # s without a position after which nothing is left of a track
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 # Velocity [m/s] and its variances on each axis [m^2/s^2], shape (3,) each.
 Motion = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -162,13 +163,13 @@ class TargetTrack:
         east, north, _ = self.covariances[:, order, order].tolist()
         return 0.5 * (east + north)  # type: ignore[no-any-return]
 
-    def position_std(self, age: float) -> float:
+    def position_std(self, time: float) -> float:
         """Standard deviation of the position on the worse level axis in [m].
 
         Args:
-            age: Of the track, at least 0, in [s].
+            time: When, in [s]; before the newest position that of the newest one stands in.
         """
-        transition, noise = singer_motion(age)
+        transition, noise = singer_motion(min(max(time - self.time, 0.0), FORGOTTEN))
         row = transition[0]
         worse = float((self.covariances[LEVEL] @ row @ row).max())
         return math.sqrt(worse + self.agility**2 * noise[0, 0])
@@ -196,27 +197,19 @@ class TargetTrack:
                 as noise of this position and of the one before, not as motion.
         """
         elapsed, gate = time - self.time, gate * (SECOND if self.count == 1 else 1.0)
-        if not self._see(0, position, variances, gate, elapsed, doubted):
+        if not self.see(0, position, variances, gate, elapsed, doubted):
             return False
         self.time, self.count = time, self.count + 1
         if motion is not None:
-            self.see_velocity(*motion, gate)
-        self._average_turn(elapsed)
+            self.see(1, *motion, gate)
+        (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
+        # A velocity within its own uncertainty has no direction to turn.
+        square = max(vx * vx + vy * vy, 9.0 * self.variance(1))
+        share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
+        self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
         return True
 
-    def see_velocity(
-        self, velocity: NDArray[np.float64], variances: NDArray[np.float64], gate: float
-    ) -> None:
-        """Take in a velocity of the track's time unless its innovation exceeds the gate.
-
-        Args:
-            velocity: Shape (3,), in [m/s].
-            variances: On each axis, shape (3,), in [m^2/s^2].
-            gate: Greatest squared normalised innovation of the mode that explains it best, [-].
-        """
-        self._see(1, velocity, variances, gate)
-
-    def _see(
+    def see(
         self,
         order: int,
         measured: NDArray[np.float64],
@@ -225,7 +218,16 @@ class TargetTrack:
         elapsed: float = 0.0,
         doubted: bool = False,
     ) -> bool:
-        """Whether a measured derivative of order 0 or 1 is taken in: else nothing changes."""
+        """Whether a measured derivative of the position is taken in: else nothing changes.
+
+        Args:
+            order: Of the derivative, 0 or 1.
+            measured: Shape (3,), in [m] or [m/s].
+            variances: Of it on each axis, shape (3,), in its unit squared.
+            gate: See :meth:`update`.
+            elapsed: Since the track's time in [s].
+            doubted: See :meth:`update`.
+        """
         transition, noise = singer_motion(elapsed)
         travelled, left = self.bridge(elapsed)
         carried = singer_motion(travelled)[0] * [[1.0], [left], [left]]
@@ -246,13 +248,6 @@ class TargetTrack:
         if taken[0]:
             self._memory[:] = after
         return bool(taken[0])
-
-    def _average_turn(self, elapsed: float) -> None:
-        (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
-        # A velocity within its own uncertainty has no direction to turn.
-        square = max(vx * vx + vy * vy, 9.0 * self.variance(1))
-        share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
-        self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
 
 
 @functools.cache
