@@ -265,9 +265,14 @@ class Navigator:
         self._below = ground - float(measurement.position[2])
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
         self._time = time
-        self._follow_acceleration(time, elapsed)
+        if elapsed > 0.0:  # acceleration flown: the commands, after dead time and lag
+            sent = time - 0.5 * elapsed - self._dead_time[ACCELERATION]
+            lacks = self._history.demanded(sent, ACCELERATION) - self._acceleration
+            self._acceleration += followed(elapsed, self._lag) * lacks
         air = self._aircraft_in_air(measurement, vehicle, ground)
-        self._go_astray(elapsed)
+        states = self.air_estimate.health.states
+        pace = ASTRAY if states[VELOCITY] == USED else BY_WIND
+        self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace
         known, times = self._outlook.arguments
         KNOWN.fill(
             known,
@@ -318,30 +323,14 @@ class Navigator:
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast
     ) -> Situation:
-        """Situation when a command sent now takes effect."""
-        state = self._flown_through(time, delay, present)
-        x, y, z, heading, path_angle, airspeed, *rates = state.tolist()
-        target = forecast.target[0]
-        east, north, up = target.tolist()
-        turns = [math.remainder(angle, 2.0 * math.pi) for angle in (heading, path_angle)]
-        return Situation(
-            vehicle=np.array([x + east, y + north, z + up, *turns, airspeed]),
-            target=target,
-            drift=forecast.drift[0],
-            drift_rate=forecast.drift_rate[0],
-            rates=np.array(rates[:3]),
-        )
-
-    def _flown_through(self, time: float, delay: float, present: Situation) -> NDArray[np.float64]:
-        """State relative to the target after the delay, by the commands already under way."""
-        model, step = self._model, self._step
+        """Situation when a command sent now takes effect, by the commands already under way."""
+        model, step, demanded = self._model, self._step, self._history.demanded
         count = max(1, math.ceil(delay / LONGEST_SUBSTEP - ROUNDING))
         substep = delay / count
         state, inputs, numbers, drift, rate, duration = step.arguments
         state[:] = model.initial(present.vehicle, present.target, present.rates)
         numbers[:] = model.numbers(substep)
         drift[:], rate[:], duration[0] = present.drift, present.drift_rate, substep
-        change, demanded = substep * rate, self._history.demanded
         for index in range(count):
             middle = time + (index + 0.5) * substep
             inputs[:] = [
@@ -349,20 +338,10 @@ class Navigator:
             ]
             step.evaluate()
             state[:] = step.results[0]
-            drift += change
-        return state
-
-    def _follow_acceleration(self, time: float, elapsed: float) -> None:
-        """Acceleration flown at a time: the commands, after dead time and lag."""
-        if not elapsed > 0.0:
-            return
-        dead_time = self._dead_time[ACCELERATION]
-        demanded = self._history.demanded(time - 0.5 * elapsed - dead_time, ACCELERATION)
-        share = followed(elapsed, self._lag)
-        self._acceleration += share * (demanded - self._acceleration)
-
-    def _go_astray(self, elapsed: float) -> None:
-        """By how much the position that is told may be wrong after some time without one."""
-        states = self.air_estimate.health.states
-        pace = ASTRAY if states[VELOCITY] == USED else BY_WIND
-        self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace
+            drift += substep * rate
+        vehicle, target = state[:6].copy(), forecast.target[0]
+        vehicle[:3] += target
+        vehicle[3:5] = [math.remainder(angle, math.tau) for angle in vehicle[3:5].tolist()]
+        return Situation(
+            vehicle, target, forecast.drift[0], forecast.drift_rate[0], state[6:9].copy()
+        )

@@ -174,14 +174,7 @@ class SimulatedSights:
                 rows = [[*known.motion(time)[0], known.track.position_std(time)] for time in ahead]
                 self._forecast = np.array(rows)
                 self._forecast_at = now
-            return TargetSight(
-                position,
-                velocity,
-                known.track.position_std(now),
-                loop.sighting,
-                truth,
-                self._forecast,
-            )
+            return TargetSight(position, velocity, deviation, loop.sighting, truth, self._forecast)
         if loop.sighting is None:
             return None
         return TargetSight(loop.sighting, measured=loop.sighting, truth=truth)
