@@ -16,7 +16,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.command_history import CommandHistory
+from uav_tracking_mpc.estimation.navigator import CommandHistory
 
 PLAN = np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
 

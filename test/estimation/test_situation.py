@@ -30,7 +30,7 @@ from uav_tracking_mpc.estimation.situation import (
     outlook,
     steady_forecast,
 )
-from uav_tracking_mpc.estimation.target_motion import REWIND, TURN
+from uav_tracking_mpc.estimation.target_track import REWIND, TURN
 
 FLIGHT = small_uav.parameters()
 

@@ -21,8 +21,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
-from uav_tracking_mpc.estimation.target_motion import STRAIGHT_TIME, TURN
-from uav_tracking_mpc.estimation.target_track import FORGOTTEN
+from uav_tracking_mpc.estimation.target_track import FORGOTTEN, STRAIGHT_TIME, TURN
 
 
 def fed(times, path, noise=0.0, agility=0.5, seed=0, dropouts=0.0):

@@ -28,8 +28,6 @@
 ``noise_meter``          how noisy a signal is, and how much it wanders
 ``target_filter``        where the target is and will be, from positions that may be wrong
 ``target_track``         several models of the target's motion side by side, behind it
-``target_motion``        how a target moves: at random, as it is tracked, or on a turn, as predicted
-``command_history``      commands that were sent, as the aircraft flies them
 ``response_estimator``   lag, dead time, gain and their deviations, from commands and response
 ``navigator``            measurements in, situations and forecast out
 ``situation``            aircraft, target and the drift between them, now and over a horizon

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -28,7 +29,6 @@ from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
-from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, USED, VELOCITY
@@ -61,6 +61,59 @@ class Estimate(NamedTuple):
     present: Situation
     effect: Situation
     forecast: Forecast
+
+
+class CommandHistory:
+    """Commands that were sent, as the aircraft flies them: plans by the time of sending.
+
+    A plan's segments are laid out from the stamp of the state that it answers, but the aircraft
+    flies the plan before it until the new one has been sent.
+
+    Args:
+        memory: How long a plan is kept after another has replaced it, in [s].
+    """
+
+    def __init__(self, memory: float) -> None:
+        self.memory = memory
+        # When each was sent and begins, its inputs and its step. The numbers of a list are read ten
+        # times as fast as those of an array.
+        self._plans: deque[tuple[float, float, list[list[float]], float]] = deque()
+
+    def reset(self) -> None:
+        """Forget every command."""
+        self._plans.clear()
+
+    def add(self, sent: float, begin: float, inputs: NDArray[np.float64], step: float) -> None:
+        """Record a plan that takes effect when it is sent.
+
+        Args:
+            sent: From when on it is flown in [s].
+            begin: When its first segment begins in [s], at or before ``sent``.
+            inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
+            step: Length of a segment in [s].
+        """
+        while self._plans and self._plans[-1][0] > sent:
+            self._plans.pop()  # never flown: a clock that stood ahead has gone back
+        self._plans.append((sent, begin, inputs.tolist(), step))
+        while len(self._plans) > 1 and self._plans[1][0] <= sent - self.memory:
+            self._plans.popleft()
+
+    def demanded(self, time: float, axis: int) -> float:
+        """Input demanded at a time by what has been sent so far.
+
+        The last segment of a plan is held; before the first command nothing is demanded.
+
+        Args:
+            time: Past or future, in [s].
+            axis: 0 for u_psi, 1 for u_chi, 2 for u_v.
+
+        Returns:
+            In [rad/s] or [m/s^2].
+        """
+        for sent, begin, inputs, step in reversed(self._plans):
+            if sent <= time:
+                return inputs[min(int((time - begin) / step), len(inputs) - 1)][axis]
+        return 0.0
 
 
 class Navigator:

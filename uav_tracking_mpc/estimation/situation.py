@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import air_velocity, velocity
-from uav_tracking_mpc.estimation.target_motion import REWIND, TURN
+from uav_tracking_mpc.estimation.target_track import REWIND, TURN
 from uav_tracking_mpc.symbolic.layout import Layout
 
 # s: a measurement corrects the target's track by steps. They are faded in with this time constant,

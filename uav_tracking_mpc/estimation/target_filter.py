@@ -37,10 +37,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError, vector
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
-from uav_tracking_mpc.estimation.target_motion import REWIND, TURN
 from uav_tracking_mpc.estimation.target_track import (
     FORGOTTEN,
     LEVEL,
+    REWIND,
+    TURN,
     Motion,
     TargetTrack,
     track_step,
