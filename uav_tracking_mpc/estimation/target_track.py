@@ -121,24 +121,17 @@ SEEN = Layout(
 )
 
 
-def _noise_series() -> NDArray[np.float64]:
-    """Coefficients of the entries of Q in powers of x = t / tau, shape (3, 3, n).
-
-    Q is the integral of 2 g g', g = (e^-x - 1 + x, 1 - e^-x, e^-x) being the response to an
-    impulse of w. Its closed form cancels to nothing for short times, the series does not.
-    """
-    decay = np.cumprod(np.append(1.0, -1.0 / np.arange(1, TERMS)))
-    position, velocity = decay.copy(), -decay
-    position[:2] = velocity[0] = 0.0
-    responses = [np.polynomial.Polynomial(series) for series in (position, velocity, decay)]
-    products = [2.0 * (one * other).integ() for one in responses for other in responses]
-    series = np.array([product.coef[:TERMS] for product in products]).reshape(3, 3, TERMS)
-    orders = np.array([2.0, 1.0, 0.0])  # of tau in g
-    return MANOEUVRE_TIME ** np.add.outer(orders, orders)[:, :, None] * series
-
-
-_NOISE_SERIES = _noise_series()
-_POWERS = np.arange(float(TERMS))
+# 1/s: of p' = v, v' = a, a' = -a / tau, beside what drives them: the exponential of both times t
+# holds F and Q (C. F. Van Loan, IEEE Trans. Automatic Control 23(3), 1978). Coefficients of its
+# series in t: unlike the closed form, they cancel to nothing for no short time.
+_SINGER = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0 / MANOEUVRE_TIME]])
+_DRIVEN = np.block(
+    [[-_SINGER, np.diag([0.0, 0.0, 2.0 / MANOEUVRE_TIME])], [np.zeros((3, 3)), _SINGER.T]]
+)
+_POWERS = np.arange(TERMS)
+_SERIES = np.stack(
+    [np.linalg.matrix_power(_DRIVEN, k) / math.factorial(k) for k in range(TERMS)], axis=-1
+)
 
 
 def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -150,19 +143,12 @@ def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.floa
     Returns:
         F and Q, shape (3, 3) each.
     """
-    x = duration / MANOEUVRE_TIME
-    if x > 0.5:
+    if duration > 0.5 * MANOEUVRE_TIME:
         half, noise = singer_motion(duration / 2.0)
         return half @ half, half @ noise @ half.T + noise
-    gone = -math.expm1(-x)
-    transition = np.array(
-        [
-            [1.0, duration, MANOEUVRE_TIME**2 * (x - gone)],
-            [0.0, 1.0, MANOEUVRE_TIME * gone],
-            [0.0, 0.0, 1.0 - gone],
-        ]
-    )
-    return transition, _NOISE_SERIES @ x**_POWERS
+    exponential = _SERIES @ duration**_POWERS
+    transition = exponential[3:, 3:].T
+    return transition, transition @ exponential[:3, 3:]
 
 
 def bridged(age: float, held: float = BRIDGE_TIME) -> tuple[float, float]:
@@ -403,8 +389,7 @@ def track_step() -> ca.Function:
         total, wide, error = own + variances, own + OUTLIER_VARIANCE * variances, innovation**2
         usual = -0.5 * ca.sum1(ca.log(total) + error / total)
         unusual = OUTLIER_WEIGHT - 0.5 * ca.sum1(ca.log(wide) + error / wide)
-        most = ca.fmax(usual, unusual)
-        likelihoods.append(most + ca.log1p(ca.exp(-ca.fabs(usual - unusual))))
+        likelihoods.append(ca.logsumexp(ca.vertcat(usual, unusual)))
         # The information of a measurement that may be an outlier is the mean of both.
         outlier = ca.exp(unusual - likelihoods[-1])
         noise = variances / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
