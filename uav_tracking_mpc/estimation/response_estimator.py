@@ -32,19 +32,15 @@ frequencies.
 
 from __future__ import annotations
 
-import functools
-import itertools
 import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
-from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.symbolic.layout import Layout
-from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 CHANNELS = ("turn rate", "path-angle rate", "acceleration")
 LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0])  # s
@@ -80,11 +76,8 @@ ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
 EVERY = range(3)  # channels
 REFINED_EVERY = 8  # measurements between refinements, one channel each
-GRID = len(DEAD_TIMES) * len(LAGS)  # candidates of each channel
+CANDIDATES = 3, len(DEAD_TIMES), len(LAGS)  # shape of what is known of each
 _APART = np.diff(DEAD_TIMES)  # s
-# Of each: what the high pass lets through; sums of x x, of x y, and of x with that of the next dead
-# time.
-SUMS = Layout(passed=3 * GRID, power=3 * GRID, product=3 * GRID, following=3 * (GRID - len(LAGS)))
 
 
 class ChannelResponse(NamedTuple):
@@ -146,16 +139,11 @@ class ResponseCandidates:
 
     Attributes:
         end: When the last command that is known ends in [s].
-        responses: As of :meth:`at`, flat.
     """
 
     def __init__(self) -> None:
         # By the times at which the inputs changed; moved to the front when full.
         self._times, self._pieces = np.zeros(2 * CAPACITY), np.zeros((2 * CAPACITY, PIECE.size))
-        self._evaluated = NativeFunction(_responses())
-        (self.responses,) = self._evaluated.results
-        flown, self._since, left = self._evaluated.arguments
-        self._flown, self._left = flown.reshape(-1, PIECE.size), left.reshape(-1, len(LAGS))
         self.reset(0.0, np.zeros(3))
 
     def reset(self, time: float, inputs: NDArray[np.float64]) -> None:
@@ -195,17 +183,16 @@ class ResponseCandidates:
             time: In [s], not long before the last command.
 
         Returns:
-            Shape (3, dead times, lags), in [rad/s], [rad/s], [m/s]; overwritten by the next call.
+            Shape (3, dead times, lags), in [rad/s], [rad/s], [m/s].
         """
         self._follow_plan(time)
         times = time - DEAD_TIMES
         known = self._times[: self._newest + 1]
-        piece = np.maximum(known.searchsorted(times, side="right") - 1, 0)
-        self._pieces.take(piece, 0, self._flown, "clip")
-        np.maximum(times - self._times[piece], 0.0, out=self._since)
-        np.exp(np.multiply.outer(self._since, -_RATES, out=self._left), out=self._left)
-        self._evaluated.evaluate()
-        return self.responses.reshape(3, len(DEAD_TIMES), len(LAGS))
+        which = np.maximum(known.searchsorted(times, side="right") - 1, 0)
+        since = np.maximum(times - self._times[which], 0.0)
+        responses, gained = _flown(PIECE.parts(self._pieces[which].T), since)
+        responses[ACCELERATION] = gained
+        return responses.swapaxes(1, 2)
 
     def _follow_plan(self, time: float) -> None:
         """The present plan's segments up to a time, which is past the last change."""
@@ -220,17 +207,13 @@ class ResponseCandidates:
         piece = PIECE.parts(self._pieces[now])
         if (piece.held == inputs).all():
             return
-        elapsed = time - float(self._times[now])
-        held, before = piece.held[:, np.newaxis], piece.rates.reshape(3, -1)
-        after = (before - held) * np.exp(-elapsed * _RATES) + held
-        lost = (before[ACCELERATION] - after[ACCELERATION]) / _RATES
-        gained = piece.gained + held[ACCELERATION] * elapsed + lost
+        rates, gained = _flown(piece, time - float(self._times[now]))
         if now + 1 == len(self._times):
             for values in (self._times, self._pieces):
                 values[:CAPACITY] = values[CAPACITY:]
             now = CAPACITY - 1
         self._newest, self._times[now + 1] = now + 1, time
-        PIECE.fill(self._pieces[now + 1], held=inputs, rates=after.reshape(-1), gained=gained)
+        PIECE.fill(self._pieces[now + 1], held=inputs, rates=rates.reshape(-1), gained=gained)
 
 
 class ResponseEstimator:
@@ -244,22 +227,17 @@ class ResponseEstimator:
         channels: Estimates of turn rate, path-angle rate and acceleration.
     """
 
-    @one_at_a_time
     def __init__(self, commanded: int = 3) -> None:
         self._followed = np.arange(3) < commanded
         self._candidates = ResponseCandidates()
-        self._memory, self._before = np.zeros(SUMS.size), np.zeros(3 * GRID)
-        sums = vars(SUMS.parts(self._memory)).values()
-        self._passed, self._power, self._product, self._next = (
-            part.reshape(3, -1) for part in sums
-        )
-        known = [self._memory, self._before, self._candidates.responses]
-        self._added = NativeFunction(_added(), known)
         self.reset()
 
     def reset(self) -> None:
         """Forget all: another aircraft."""
-        self._memory[:] = self._before[:] = 0.0
+        # Of each candidate: the response, what the high pass lets through of it, sums of x x and
+        # x y; and of x with that of the next dead time.
+        self._before, self._passed, self._power, self._product = np.zeros((4, *CANDIDATES))
+        self._following = np.zeros((3, len(DEAD_TIMES) - 1, len(LAGS)))
         # Of each channel: sums of 1, y y, products of successive residuals, and their squares.
         self._sums = np.zeros((4, 3))
         self._residual = self._measured_passed = np.zeros(3)
@@ -343,25 +321,25 @@ class ResponseEstimator:
         kept, forgotten = math.exp(-elapsed / WASHOUT), math.exp(-elapsed / MEMORY)
         y = kept * (self._measured_passed + weights * (measured - self._measured))
         self._measured_passed, self._measured, self._used = y, measured, usable
-        self._candidates.at(time)  # into the responses
-        _, _, responses, told = self._added.arguments
-        told[:] = [*weights, *y, kept, forgotten]
-        self._added.evaluate()
-        self._memory[:], self._before[:] = self._added.results[0], responses
-        residual = weights * (y - self._gains * self._passed[EVERY, self._nearest])
+        responses, weight = self._candidates.at(time), weights[:, np.newaxis, np.newaxis]
+        passed = kept * (self._passed + weight * (responses - self._before))
+        self._before, self._passed = responses, passed
+        self._power = forgotten * self._power + weight * passed**2
+        self._product = forgotten * self._product + passed * (weights * y)[:, None, None]
+        successive = weight * passed[:, :-1] * passed[:, 1:]
+        self._following = forgotten * self._following + successive
+        nearest = passed.reshape(3, -1)[EVERY, self._nearest]
+        residual = weights * (y - self._gains * nearest)
         new = weights, weights * (y * y), residual * self._residual, residual * residual
         self._sums, self._residual = forgotten * self._sums + new, residual
 
     def _refined(self, axis: int) -> ChannelResponse:
         """Minimum of J and its curvature."""
-        columns = (-1, len(LAGS))
-        power = self._power[axis].reshape(columns)
-        product = self._product[axis].reshape(columns)
+        power, following = self._power[axis], self._following[axis]
         weight, squared_response, successive, squared = self._sums[:, axis].tolist()
         if not np.any(power > 0.0):
             return ChannelResponse()
-        following = self._next[axis].reshape(columns)
-        dead_times, gains, explained, bends = _between(power, product, following)
+        dead_times, gains, explained, bends = _between(power, self._product[axis], following)
         valley = squared_response - explained
         # Along the valley, over the lag.
         best = min(max(int(np.argmin(valley)), 1), len(LAGS) - 2)
@@ -396,57 +374,21 @@ class ResponseEstimator:
         )
 
 
-@functools.cache
-def _responses() -> ca.Function:
-    """Responses at a time, from the pieces of commands that are flown at it.
+def _flown(
+    piece: SimpleNamespace, since: float | NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rates by each lag, shape (3, lags, ...), and airspeed gained, shape (lags, ...), in a piece.
 
-    Of one piece for each dead time, flat; for how long it has lasted [s]; and which share of what
-    lacks each lag leaves [-], shape (dead times, lags).
+    Args:
+        piece: By :data:`PIECE`, of one or of several.
+        since: For how long it has lasted in [s], of each.
     """
-    flown = ca.SX.sym("flown", PIECE.size * len(DEAD_TIMES))
-    since = ca.SX.sym("since", len(DEAD_TIMES))
-    left = ca.SX.sym("left", len(DEAD_TIMES) * len(LAGS))
-    pieces = [PIECE.parts(piece) for piece in ca.vertsplit(flown, PIECE.size)]
-    lefts, rates = ca.vertsplit(left, len(LAGS)), ca.DM(_RATES)
-    rows: list[list[ca.SX]] = [[], [], []]
-    for piece, lasted, remains in zip(pieces, ca.vertsplit(since), lefts, strict=True):
-        for channel, begun in enumerate(ca.vertsplit(piece.rates, len(LAGS))):
-            command = piece.held[channel]
-            lacks = begun - command
-            if channel == ACCELERATION:
-                # The integral of what is lacking is tau times the part that has decayed.
-                decayed = (lacks - lacks * remains) / rates
-                rows[channel].append(piece.gained + (decayed + command * lasted))
-            else:
-                rows[channel].append(lacks * remains + command)
-    return ca.Function("responses", [flown, since, left], [ca.vertcat(*itertools.chain(*rows))])
-
-
-@functools.cache
-def _added() -> ca.Function:
-    """Sums after a sample: of those before, the responses before and now, and numbers.
-
-    Responses are in [rad/s, rad/s, m/s]. The numbers are the weight of the sample [-] and y after
-    the high pass, in the same units, of each channel; and which share the high pass keeps and which
-    is not forgotten [-].
-    """
-    memory, known = SUMS.symbol("memory")
-    before, responses = ca.SX.sym("before", 3 * GRID), ca.SX.sym("responses", 3 * GRID)
-    told = ca.SX.sym("told", 8)
-    kept, forgotten = told[6], told[7]
-    every = np.repeat(EVERY, GRID).tolist()
-    weights, y = told[every], told[[3 + axis for axis in every]]
-    passed = kept * (known.passed + weights * (responses - before))
-    axes = [passed[axis * GRID : (axis + 1) * GRID] for axis in EVERY]
-    successive = ca.vertcat(*[each[: -len(LAGS)] * each[len(LAGS) :] for each in axes])
-    of_next = told[np.repeat(EVERY, GRID - len(LAGS)).tolist()]
-    after = ca.vertcat(
-        passed,
-        forgotten * known.power + weights * passed**2,
-        forgotten * known.product + passed * (weights * y),
-        forgotten * known.following + of_next * successive,
-    )
-    return ca.Function("response_sums", [memory, before, responses, told], [after])
+    held = piece.held[:, np.newaxis]
+    begun = piece.rates.reshape(3, len(LAGS), *np.shape(since))
+    rates = held + (begun - held) * np.exp(np.multiply.outer(-_RATES, since))
+    # The integral of what is lacking is tau times the part that has decayed.
+    decayed = (begun - rates)[ACCELERATION].T / _RATES
+    return rates, piece.gained + held[ACCELERATION] * since + decayed.T
 
 
 def _between(
