@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.estimation.target_filter import (
+    MANOEUVRE_TIME,
     QUANTILE,
     RATIO_MAX,
-    SPAN,
     MeasurementNoise,
     _quantile,
 )
@@ -106,7 +106,7 @@ def test_noise_that_is_hardly_any_leaves_the_factors_finite(least):
         assert (noise.scales > 0.0).all()
 
 
-@pytest.mark.parametrize("gap", [SPAN + 1.0, 1e-3 * 0.1 / RATIO_MAX, 1e-300])
+@pytest.mark.parametrize("gap", [MANOEUVRE_TIME + 1.0, 1e-3 * 0.1 / RATIO_MAX, 1e-300])
 def test_what_says_nothing_of_noise_is_left_out(gap):
     noise = MeasurementNoise()
     for time in (0.0, gap, gap + 0.1):

@@ -28,7 +28,12 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
+from uav_tracking_mpc.estimation.flight_path import (
+    LEAST_AIRSPEED,
+    QUICK_CLIMB,
+    SLOW_CLIMB,
+    FlightPath,
+)
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
 from uav_tracking_mpc.estimation.motion_check import STALE
 from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
@@ -44,9 +49,9 @@ STUCK_TIME, STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.7, 0.04, 3.0, 0.1
 # impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
 # it is used again
 POSSIBLE = 0.75, 1.25
-# m/s, rad, rad, s: a heading counts from North to East if the aircraft flies at least so fast, for
-# so long, beside its heading by more than BESIDE, and beside the mirrored one by less than ALONG
-FLYING, BESIDE, ALONG, MIRRORED_FOR = 5.0, 1.0, 0.5, 3.0
+# rad, rad, s: a heading counts from North to East if the aircraft flies for so long beside its
+# heading by more than BESIDE, and beside the mirrored one by less than ALONG
+BESIDE, ALONG, MIRRORED_FOR = 1.0, 0.5, 3.0
 
 
 class AirData:
@@ -216,7 +221,7 @@ class AirData:
         course = math.atan2(velocity[1], velocity[0])
         beside = abs(math.remainder(course - measurement.heading, math.tau))
         mirrored = abs(math.remainder(course + measurement.heading - 0.5 * math.pi, math.tau))
-        looks = math.hypot(*velocity[:2]) > FLYING and beside > BESIDE and mirrored < ALONG
+        looks = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and beside > BESIDE and mirrored < ALONG
         sound = not (self._repeated[0] or self._repeated[2] or self._velocity_failed)
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
 

@@ -36,10 +36,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError, vector
+from uav_tracking_mpc.estimation.motion_check import RETURN
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
 from uav_tracking_mpc.estimation.target_track import (
     FORGOTTEN,
     LEVEL,
+    MANOEUVRE_TIME,
     REWIND,
     TURN,
     Motion,
@@ -59,15 +61,14 @@ NEWEST = 24  # of them, which notice that the noise has changed
 CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but once in a thousand
 COMPARED = 96  # of them, by which axes are compared: noise of a camera turns with where it looks
 KNOWN = 3  # second differences after which the noise is known, with what is told
-SPAN = 5.0  # s, within which the target's acceleration is taken as small
 RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
 QUANTILE = 0.4  # -, that is compared: with 20 % outliers half of the differences are wrong
 CHI_SQUARE = 1.8691684  # -, that quantile, of 3 degrees of freedom
 CHI_SQUARE_AXIS = 0.2749959  # -, the same of 1
 # -: greatest variance over the least, from which on axes have shares of their own (by chance once
-# in a thousand), and still have; and the least share, that of an axis without noise
-UNEVEN, EVEN, SHARE_MIN = 4.0, 2.0, 1e-6
-SCALE_MIN, SCALE_MAX = 1e-12, 1e12  # -, of what is believed of a variance
+# in a thousand); and the least share, that of an axis without noise
+UNEVEN, SHARE_MIN = 4.0, 1e-6
+SCALE_MIN = 1e-12  # -, least factor on a variance that is believed, and 1 over the greatest
 
 
 class TargetFilter:
@@ -333,7 +334,7 @@ class MeasurementNoise:
         recent = self._recent
         if len(recent) == 2:
             (t0, z0, r0), (t1, z1, r1) = recent
-            if time - t0 <= SPAN and time - t1 <= RATIO_MAX * (t1 - t0):
+            if time - t0 <= MANOEUVRE_TIME and time - t1 <= RATIO_MAX * (t1 - t0):
                 ratio = (time - t1) / (t1 - t0)
                 difference = position - z1 - ratio * (z1 - z0)
                 told = variances + (1.0 + ratio) ** 2 * r1 + ratio * ratio * r0
@@ -354,7 +355,7 @@ class MeasurementNoise:
                 self._squares, level = deque(newest, maxlen=WINDOW), recent
                 self._axes = deque(list(self._axes)[-NEWEST:], maxlen=WINDOW)
         scales = level / self._usual * np.array(self._shares)
-        self.scales = np.clip(scales, SCALE_MIN, SCALE_MAX)
+        self.scales = np.clip(scales, SCALE_MIN, 1.0 / SCALE_MIN)
         self.known = len(self._squares) >= KNOWN
 
     def _sum(self, differences: list[float]) -> float:
@@ -365,7 +366,7 @@ class MeasurementNoise:
         axes = list(zip(*list(self._axes)[-COMPARED:], strict=True))
         own = [_quantile(d * d for d in axis) / CHI_SQUARE_AXIS for axis in axes]
         most, noisiest = max(own), axes[own.index(max(own))]
-        uneven = most > (EVEN if self._uneven else UNEVEN) * min(own)
+        uneven = most > (RETURN if self._uneven else 1.0) * UNEVEN * min(own)
         uneven = uneven and sum(one * other for one, other in pairwise(noisiest)) < 0.0
         if uneven or self._uneven:
             least = max(SHARE_MIN * most, SCALE_MIN)
