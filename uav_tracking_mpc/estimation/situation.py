@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.dynamics.vehicle import air_velocity, velocity
+from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.estimation.target_track import REWIND, TURN
 from uav_tracking_mpc.symbolic.layout import Layout
 
@@ -101,10 +101,7 @@ class Situation:
     @property
     def relative_velocity(self) -> NDArray[np.float64]:
         """Rate of :attr:`offset`: air velocity plus drift, shape (3,), in [m/s]."""
-        *_, heading, path_angle, airspeed = self.vehicle.tolist()
-        east, north, up = self.drift.tolist()
-        x, y, z = air_velocity(heading, path_angle, airspeed, np)  # also of what is not finite
-        return np.array([x + east, y + north, z + up])
+        return self.air_velocity + self.drift
 
     def tracking_error(self, orbit: Orbit) -> NDArray[np.float64]:
         """Tracking error of the relative motion (Section 3.1), shape (5,), angles wrapped.
