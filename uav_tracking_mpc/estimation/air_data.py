@@ -164,14 +164,12 @@ class AirData:
             if climb_stuck or self._path.climb.failed:
                 self.climb_state = STUCK if climb_stuck else OFF
         self.stuck = heading_stuck, velocity_stuck or (climb_stuck and self.nose is None)
-        if airspeed is not None:
-            return of_path, of_path.state(airspeed)
-        east, north, up = (float(value) for value in measurement.ground_velocity)
-        speed = math.sqrt(east**2 + north**2 + up**2)
-        if not speed > SLOW:
-            return of_path, of_path.state(speed)
-        heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
-        return of_path, np.array([*measurement.position, heading, path_angle, speed])
+        east, north, up = measurement.ground_velocity.tolist()
+        speed = math.hypot(east, north, up)
+        vehicle = of_path.state(speed if airspeed is None else airspeed)
+        if airspeed is None and speed > SLOW:
+            vehicle[3:5] = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
+        return of_path, vehicle
 
     def _is_impossible(self, airspeed: float | None, measurement: Measurement) -> bool:
         """Whether nobody flies at an airspeed, or it does not agree yet with what stood in."""

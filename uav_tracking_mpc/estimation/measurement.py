@@ -217,5 +217,4 @@ class Measurement:
         Returns:
             (x, y, z, psi, chi, v), shape (6,).
         """
-        x, y, z = self.position.tolist()
-        return np.array([x, y, z, self.heading, self.path_angle, airspeed])
+        return np.array([*self.position.tolist(), self.heading, self.path_angle, airspeed])

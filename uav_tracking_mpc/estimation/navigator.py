@@ -359,8 +359,9 @@ class Navigator:
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
             air = self.air
-            told = air.missing, air.nose, air.stuck, air.by_turn
-            found = self.air_estimate.update(measurement, vehicle, rates, ground, *told)
+            found = self.air_estimate.update(
+                measurement, vehicle, rates, ground, air.missing, air.nose, air.stuck, air.by_turn
+            )
             states = self.air_estimate.health.states
             if air.impossible:
                 states[AIRSPEED] = OFF

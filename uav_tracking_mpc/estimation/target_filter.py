@@ -255,24 +255,20 @@ def _variances(
     covariance: ArrayLike | None,
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64]]:
     """Variances of position [m^2], None for the filter's own, and of velocity [m^2/s^2]."""
-    position, velocity = None, np.full(3, VELOCITY_NOISE**2)
-    if covariance is None:
-        return position, velocity
-    matrix = np.asarray(covariance, dtype=float)
+    matrix = np.zeros((6, 6)) if covariance is None else np.asarray(covariance, dtype=float)
     if matrix.shape not in ((3, 3), (6, 6)) or not np.isfinite(matrix).all():
         raise MeasurementError(
             f"covariance of the target has shape {matrix.shape}, must be (3, 3) or (6, 6) and "
             "finite"
         )
-    if matrix[:3, :3].any():
-        position = _of_axes(matrix[:3, :3])
-    if matrix[3:, 3:].any():
-        velocity = _of_axes(matrix[3:, 3:])
-    return position, velocity
+    position, velocity = _of_axes(matrix[:3, :3]), _of_axes(matrix[3:, 3:])
+    return position, np.full(3, VELOCITY_NOISE**2) if velocity is None else velocity
 
 
-def _of_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+def _of_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """Variances of the axes, which must not be negative; some trackers tell none of the height."""
+    if not covariance.any():
+        return None
     east, north, up = np.diagonal(covariance).tolist()
     if not min(east, north) >= 0.0:
         raise MeasurementError(
