@@ -69,7 +69,7 @@ class ResponseAdaptation:
         self._told = parameters
         self._engaged = True
         self._stamp = 0.0
-        self._learns_from: float | None = -math.inf  # s; None: from the next state on
+        self._learns_from = -math.inf  # s
         self._seen: tuple[Measurement, bool, float] | None = None  # not yet learnt from; so is
         self._sent: tuple[float, float, NDArray[np.float64], float, float] | None = None
         self._begin()
@@ -81,8 +81,8 @@ class ResponseAdaptation:
         Where it takes over from another flight, bank and climb first go over to what is commanded
         as quickly as they can, which is neither lag nor dead time.
         """
-        learns = self._learns_from is not None and self._stamp >= self._learns_from
-        return self._told.response_estimation and self._engaged and learns
+        flies = self._engaged and self._stamp >= self._learns_from
+        return self._told.response_estimation and flies
 
     def reset(self) -> Response | None:
         """Forget what was learnt: what was told is flown by.
@@ -124,7 +124,7 @@ class ResponseAdaptation:
         if engaged != self._engaged:
             self.learn()
             self._engaged = engaged
-            self._learns_from = None
+            self._learns_from = math.inf  # from some time after the next state on
             self.interrupt()
 
     def tell(self, parameters: TrackingParameters) -> Response | None:
@@ -175,8 +175,8 @@ class ResponseAdaptation:
         self.learn()
         self._air, self._stamp = vehicle[3:].tolist(), measurement.stamp
         if self._engaged:
-            over = self._stamp + TAKING_OVER  # also where time has gone back since
-            self._learns_from = over if self._learns_from is None else min(self._learns_from, over)
+            # Also where time has gone back since
+            self._learns_from = min(self._learns_from, self._stamp + TAKING_OVER)
         self._seen = measurement, airspeed_measured, gusts
 
     def commanded(
@@ -227,8 +227,7 @@ class ResponseAdaptation:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
             if seen is not None and airspeed_measured and self._told.law == PREDICTIVE:
                 inputs = (plan[0] * self.flown.gains).tolist()
-                told = measurement, self._air, inputs, self._told, delays, gusts
-                if self._authority.see(*told):
+                if self._authority.see(measurement, self._air, inputs, self._told, delays, gusts):
                     self.limited = self._authority.within(self._told)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()

@@ -73,10 +73,8 @@ SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tel
 SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
 # s, s, -: what the parabolas are off by between the points of the grid, of lag, sum and gain
 ROUNDING = 0.015, 0.008, 0.005
-EVERY = range(3)  # channels
 REFINED_EVERY = 8  # measurements between refinements, one channel each
 CANDIDATES = 3, len(DEAD_TIMES), len(LAGS)  # shape of what is known of each
-_APART = np.diff(DEAD_TIMES)  # s
 
 
 class ChannelResponse(NamedTuple):
@@ -330,7 +328,7 @@ class ResponseEstimator:
         self._product = forgotten * self._product + passed * (weights * y)[:, None, None]
         successive = weight * passed[:, :-1] * passed[:, 1:]
         self._following = forgotten * self._following + successive
-        nearest = passed.reshape(3, -1)[EVERY, self._nearest]
+        nearest = passed.reshape(3, -1)[range(3), self._nearest]
         residual = weights * (y - self._gains * nearest)
         new = weights, weights * (y * y), residual * self._residual, residual * residual
         self._sums, self._residual = forgotten * self._sums + new, residual
@@ -421,7 +419,7 @@ def _between(
     gain = np.clip(mixed / np.maximum(mixed_power, 1e-300), *GAIN_LIMITS)
     explained = gain * (2.0 * mixed - gain * mixed_power)
     best = explained.argmax(axis=0), np.arange(power.shape[1])
-    apart_in_time = _APART[best[0]]
+    apart_in_time = np.diff(DEAD_TIMES)[best[0]]
     return (
         DEAD_TIMES[best[0]] + share[best] * apart_in_time,
         gain[best],

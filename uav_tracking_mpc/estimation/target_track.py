@@ -127,7 +127,6 @@ _SINGER = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0 / MANOEUVR
 _DRIVEN = np.block(
     [[-_SINGER, np.diag([0.0, 0.0, 2.0 / MANOEUVRE_TIME])], [np.zeros((3, 3)), _SINGER.T]]
 )
-_POWERS = np.arange(TERMS)
 _SERIES = np.stack(
     [np.linalg.matrix_power(_DRIVEN, k) / math.factorial(k) for k in range(TERMS)], axis=-1
 )
@@ -145,7 +144,7 @@ def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.floa
     if duration > 0.5 * MANOEUVRE_TIME:
         half, noise = singer_motion(duration / 2.0)
         return half @ half, half @ noise @ half.T + noise
-    exponential = _SERIES @ duration**_POWERS
+    exponential = _SERIES @ duration ** np.arange(TERMS)
     transition = exponential[3:, 3:].T
     return transition, transition @ exponential[:3, 3:]
 
