@@ -189,8 +189,7 @@ class Measurement:
         if position.shape != (3,) or not all(map(math.isnan, position.tolist())):
             position = vector("position", self.position)
         object.__setattr__(self, "position", position)
-        velocity = vector("ground_velocity", self.ground_velocity)
-        object.__setattr__(self, "ground_velocity", velocity)
+        object.__setattr__(self, "ground_velocity", vector("ground_velocity", self.ground_velocity))
         for name in NUMBERS:
             value = getattr(self, name)
             if name in MISSING and (value is None or math.isnan(value)):

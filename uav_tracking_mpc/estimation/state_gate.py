@@ -131,8 +131,10 @@ class StateGate:
             self.reason = f"the position jumped by {jump:.6g} m in {step:.3f} s"
         else:
             self.reason = f"the stamp went ahead by {step:.3f} s"
-        agreeing = self._outliers if self._agrees(measurement) else []
-        self._outliers = [*agreeing, measurement]
+        last = self._outliers[-1] if self._outliers else measurement
+        later, apart = _change(last, measurement)
+        agrees = 0.0 < later <= self.timeout and apart <= _explained(measurement, later)
+        self._outliers = [*self._outliers, measurement] if agrees else [measurement]
         if len(self._outliers) < AGREEING:
             return Verdict.DOUBT
         # After a gap the flight goes on; time gone back and a vehicle elsewhere are a new beginning
@@ -165,13 +167,6 @@ class StateGate:
         self._arrived, self.lost = arrival, False
         self._ages.append(now - measurement.stamp)
         return verdict
-
-    def _agrees(self, measurement: Measurement) -> bool:
-        """Whether a measurement is consistent with the outlier before it."""
-        if not self._outliers:
-            return False
-        step, jump = _change(self._outliers[-1], measurement)
-        return 0.0 < step <= self.timeout and jump <= _explained(measurement, step)
 
 
 def _change(
