@@ -92,7 +92,7 @@ class ResponseAdaptation:
         """
         before = self.flown
         self._seen = self._sent = None
-        self.estimator.reset()
+        self.estimator = ResponseEstimator(self._commanded)
         self.oscillation.reset()
         self.softening.reset()
         self._authority.reset()

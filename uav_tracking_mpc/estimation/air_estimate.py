@@ -119,7 +119,6 @@ class AirEstimate:
     """
 
     def __init__(self) -> None:
-        self.health = SensorHealth()
         self._memory, self._told = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(self._told)
         self.state = STATE.parts(self._known.main.state)
@@ -131,7 +130,7 @@ class AirEstimate:
         """Forget the air and believe every sensor."""
         self._memory[:], self._step.results[1][:] = MEMORY.begin, 0.0
         self._time: float | None = None
-        self.health.reset()
+        self.health = SensorHealth()
 
     def _forget(self, *names: str) -> None:
         for name in names:

@@ -227,10 +227,6 @@ class ResponseEstimator:
     def __init__(self, commanded: int = 3) -> None:
         self._followed = np.arange(3) < commanded
         self._candidates = ResponseCandidates()
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all: another aircraft."""
         # Of each candidate: the response, what the high pass lets through of it, sums of x x and
         # x y; and of x with that of the next dead time.
         self._before, self._passed, self._power, self._product = np.zeros((4, *CANDIDATES))

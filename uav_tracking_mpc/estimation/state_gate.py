@@ -59,10 +59,6 @@ class StateGate:
 
     def __init__(self, timeout: float) -> None:
         self.timeout = timeout
-        self.reset()
-
-    def reset(self) -> None:
-        """Believe the next measurement, whatever it is."""
         self.newest: Measurement | None = None
         self._stood = np.zeros(3)  # m, flown by the ground velocity while the position repeated
         self._arrived = self._moved = math.nan  # when it last moved: [s] of the stamps

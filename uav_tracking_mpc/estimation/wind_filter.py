@@ -281,8 +281,7 @@ def _averaged(
     elapsed: ca.SX, turn_rate: ca.SX, before: ca.SX, air: ca.SX, steady: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
     """Air velocity followed slowly, without a lag where it turns steadily; and its turn rate."""
-    x, y, x_after, y_after = before[0], before[1], air[0], air[1]
-    turned = ca.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
+    turned = ca.atan2(ca.dot(_across(before), air), ca.dot(before[:2], air[:2]))
     turn_rate += (turned - elapsed * turn_rate) / AVERAGING_TIME
     turn = elapsed * turn_rate
     level = ca.cos(turn) * steady + ca.sin(turn) * _across(steady)
