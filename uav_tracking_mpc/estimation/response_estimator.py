@@ -33,6 +33,7 @@ frequencies.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -47,8 +48,6 @@ LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0
 DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 1.55, 0.1)])  # s
 ACCELERATION = 2  # channel of u_v; its integral, the airspeed, is what is measured
 _RATES = 1.0 / np.maximum(LAGS, 1e-4)  # 1/s
-# Commands must be known for the longest dead time, at rates up to 200 Hz.
-CAPACITY = 512
 # Of each piece between two changes of the inputs: what is held in it, and at its beginning the rate
 # by each lag, channel by channel, and the airspeed gained.
 PIECE = Layout(held=3, rates=3 * len(LAGS), gained=len(LAGS))
@@ -134,27 +133,21 @@ class ResponseCandidates:
     So one filter a lag is enough. Commands are held between the times at which they change, where
     the filter's solution is closed: every dead time is met exactly, also between two samples.
 
+    Args:
+        time: When it begins, in a steady flight, in [s].
+        inputs: (u_psi, u_chi, u_v) flown since long ago.
+
     Attributes:
         end: When the last command that is known ends in [s].
     """
 
-    def __init__(self) -> None:
-        # By the times at which the inputs changed; moved to the front when full.
-        self._times, self._pieces = np.zeros(2 * CAPACITY), np.zeros((2 * CAPACITY, PIECE.size))
-        self.reset(0.0, np.zeros(3))
-
-    def reset(self, time: float, inputs: NDArray[np.float64]) -> None:
-        """Begin anew, in a steady flight.
-
-        Args:
-            time: When it begins in [s].
-            inputs: (u_psi, u_chi, u_v) flown since long ago, shape (3,).
-        """
-        self._newest, self._times[0] = 0, time
+    def __init__(self, time: float = 0.0, inputs: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        # Pieces by the times at which the inputs changed
         rates = np.repeat(inputs, len(LAGS))
-        PIECE.fill(self._pieces[0], held=inputs, rates=rates, gained=0.0)
-        self._plan, self.end = (time, inputs[np.newaxis], 1.0), time
-        self._sent = time  # segments of the plan from before are none
+        self._times = np.array([time])
+        self._pieces = np.concatenate([inputs, rates, np.zeros(len(LAGS))])[np.newaxis]
+        # When it was sent and begins, its inputs and its step: segments from before are none
+        self._plan, self.end = (time, time, np.array([inputs]), 1.0), time
 
     def commanded(
         self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
@@ -168,10 +161,9 @@ class ResponseCandidates:
             step: Length of a segment in [s].
         """
         self._follow_plan(sent)
-        self._plan, self.end = (begin, inputs, step), begin + step * len(inputs)
-        self._sent = sent
+        self._plan, self.end = (sent, begin, inputs, step), begin + step * len(inputs)
         segment = min(max(int((sent - begin) / step), 0), len(inputs) - 1)
-        self._change(max(sent, float(self._times[self._newest])), inputs[segment])
+        self._change(max(sent, float(self._times[-1])), inputs[segment])
 
     def at(self, time: float) -> NDArray[np.float64]:
         """Responses at a time: turn rate, path-angle rate, and the airspeed that was gained.
@@ -184,8 +176,7 @@ class ResponseCandidates:
         """
         self._follow_plan(time)
         times = time - DEAD_TIMES
-        known = self._times[: self._newest + 1]
-        which = np.maximum(known.searchsorted(times, side="right") - 1, 0)
+        which = np.maximum(self._times.searchsorted(times, side="right") - 1, 0)
         since = np.maximum(times - self._times[which], 0.0)
         responses, gained = _flown(PIECE.parts(self._pieces[which].T), since)
         responses[ACCELERATION] = gained
@@ -193,24 +184,24 @@ class ResponseCandidates:
 
     def _follow_plan(self, time: float) -> None:
         """The present plan's segments up to a time, which is past the last change."""
-        (begin, inputs, step), last = self._plan, max(float(self._times[self._newest]), self._sent)
+        sent, begin, inputs, step = self._plan
+        last = max(float(self._times[-1]), sent)
         for segment in range(1, len(inputs)):
             if last < begin + segment * step <= time:
                 self._change(begin + segment * step, inputs[segment])
 
     def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
         """Other inputs are flown from a time on, not before the last change."""
-        now = self._newest
-        piece = PIECE.parts(self._pieces[now])
+        piece = PIECE.parts(self._pieces[-1])
         if (piece.held == inputs).all():
             return
-        rates, gained = _flown(piece, time - float(self._times[now]))
-        if now + 1 == len(self._times):
-            for values in (self._times, self._pieces):
-                values[:CAPACITY] = values[CAPACITY:]
-            now = CAPACITY - 1
-        self._newest, self._times[now + 1] = now + 1, time
-        PIECE.fill(self._pieces[now + 1], held=inputs, rates=rates.reshape(-1), gained=gained)
+        rates, gained = _flown(piece, time - self._times[-1])
+        after = np.concatenate([inputs, rates.ravel(), gained])
+        # Measurements may be older than the command.
+        old = self._times.searchsorted(time - 2.0 * DEAD_TIMES[-1], side="right") - 1
+        recent = slice(max(int(old), 0), None)
+        self._times = np.append(self._times[recent], time)
+        self._pieces = np.vstack([self._pieces[recent], after])
 
 
 class ResponseEstimator:
@@ -293,7 +284,7 @@ class ResponseEstimator:
             self.interrupt()
         self._time, self._turn_rate_max = time, turn_rate_max
         if not self._commanded:  # nobody knows what is flown: as if it had been for long
-            self._candidates.reset(time, np.array([turn_rate, path_angle_rate, 0.0]))
+            self._candidates = ResponseCandidates(time, (turn_rate, path_angle_rate, 0.0))
             self._candidates.end, self._begun = math.inf, time
             return
         if abs(turn_rate) >= SATURATION * turn_rate_max:

@@ -42,7 +42,6 @@ from uav_tracking_mpc.estimation.target_track import (
     MANOEUVRE_TIME,
     REWIND,
     TURN,
-    Motion,
     TargetTrack,
     track_step,
 )
@@ -166,14 +165,18 @@ class TargetFilter:
         variances = self._variances(time, measured, told)
         doubted = told is None and not self._scaling.known
         seen = time, measured, variances, GATE, motion, doubted
+
+        def begun(speed: float) -> TargetTrack:
+            return TargetTrack(time, measured, variances, self._agility, speed, motion, GATE)
+
         if self._track is None or time - self._track.time > FORGOTTEN:
-            self._track, self._rival = self._begun(*seen[:3], motion, self._speed), None
+            self._track, self._rival = begun(self._speed), None
             return True
         if self._track.update(*seen):
             self._rival = None
             return True
         if self._rival is None or not self._rival.update(*seen):
-            self._rival = self._begun(*seen[:3], motion, RIVAL_SPEED * self._speed)
+            self._rival = begun(RIVAL_SPEED * self._speed)
         elif self._rival.count == AGREEING:
             self._track, self._rival = self._rival, None
             self.jumps += 1
@@ -206,20 +209,6 @@ class TargetFilter:
         variances = np.maximum(begun * np.maximum(self._scaling.scales, least), NOISE_MIN**2)
         self.noise = math.sqrt(max(variances[LEVEL].tolist()))
         return variances
-
-    def _begun(
-        self,
-        time: float,
-        position: NDArray[np.float64],
-        variances: NDArray[np.float64],
-        motion: Motion | None,
-        speed: float,
-    ) -> TargetTrack:
-        """A track of one measurement."""
-        track = TargetTrack(time, position, variances, self._agility, speed)
-        if motion is not None:
-            track.see(1, *motion, GATE)
-        return track
 
     def motion(self, time: float) -> NDArray[np.float64]:
         """Position [m], velocity [m/s], acceleration [m/s^2], in ``map``, rows of shape (3, 3).

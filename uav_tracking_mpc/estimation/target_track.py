@@ -211,6 +211,8 @@ class TargetTrack:
         variances: Of that position on each axis, shape (3,), in [m^2].
         agility: Standard deviation of the acceleration with which the modes begin in [m/s^2].
         speed: Standard deviation of the velocity before it is known in [m/s].
+        motion: See :meth:`update`.
+        gate: Likewise.
 
     Attributes:
         time: Of the newest position taken in, in [s].
@@ -228,6 +230,8 @@ class TargetTrack:
         variances: NDArray[np.float64],
         agility: float,
         speed: float,
+        motion: Motion | None = None,
+        gate: float = math.inf,
     ) -> None:
         self.time, self.count = time, 1
         self.turn_rate = 0.0
@@ -248,6 +252,8 @@ class TargetTrack:
         self.probabilities[:] = weights / weights.sum()
         self.covariances[:] = np.tensordot(self.probabilities, self._covariances, 1)
         self._step = NativeFunction(track_step(), [self._memory])
+        if motion is not None:
+            self.see(1, *motion, gate)
 
     @property
     def agility(self) -> float:
