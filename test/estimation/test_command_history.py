@@ -69,13 +69,6 @@ def test_within_its_memory_it_is_as_one_that_forgets_nothing(steps, memory, shar
     assert len(history._plans) <= memory / 0.01 + 2
 
 
-def test_reset_forgets():
-    history = CommandHistory(1.0)
-    history.add(5.0, 5.0, PLAN, 0.5)
-    history.reset()
-    assert history.demanded(5.2, 0) == 0.0
-
-
 def test_a_clock_that_stood_ahead_leaves_nothing_behind():
     """While it stood ahead a plan was sent in the future; later ones must not pile up behind it."""
     history = CommandHistory(1.0)

@@ -243,12 +243,12 @@ class AirData:
 
     def _plausible(self, measurement: Measurement, airspeed: float | None) -> float:
         """Airspeed that fits the wind, in [m/s]."""
+        expected = self._expected(measurement)
         if airspeed is None:
-            estimated = float(self._found.vehicle[5])
-            return estimated if self._velocity_failed else self._expected(measurement)
+            return float(self._found.vehicle[5]) if self._velocity_failed else expected
         if not self._found.known[0] or self._velocity_failed:
             return airspeed
-        expected, gusts = self._expected(measurement), 0.0 if self._failed else GUSTS
+        gusts = 0.0 if self._failed else GUSTS
         return min(max(airspeed, expected - gusts), expected + gusts)
 
     def _expected(self, measurement: Measurement) -> float:

@@ -72,6 +72,7 @@ LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothin
 # known of the wind there; of a heading no more than what a linearised turn bears.
 BLIND, WITHOUT_AIRSPEED = 100.0, 1e4
 TURN_SLIP = 0.15  # -, by which an aircraft that slips may turn quicker than its bank tells
+LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 MAIN, NO_AIRSPEED = range(2)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
 # Of their covariance
@@ -191,7 +192,7 @@ class AirEstimate:
             scales=(scales.long, scales.long, scales.short),
         )
         elapsed = -1.0 if self._time is None else measurement.stamp - self._time
-        if not 0.0 <= elapsed <= noise_meter.LONGEST_GAP:
+        if not 0.0 <= elapsed <= LONGEST_GAP:
             if not placed:
                 raise ValueError("no position is known")
             elapsed = 0.0

@@ -79,10 +79,6 @@ class CommandHistory:
         # times as fast as those of an array.
         self._plans: deque[tuple[float, float, list[list[float]], float]] = deque()
 
-    def reset(self) -> None:
-        """Forget every command."""
-        self._plans.clear()
-
     def add(self, sent: float, begin: float, inputs: NDArray[np.float64], step: float) -> None:
         """Record a plan that takes effect when it is sent.
 
@@ -188,7 +184,7 @@ class Navigator:
     def begin_anew(self) -> None:
         """Forget an aircraft that is elsewhere, with what is known of the air, and its commands."""
         self.air.begin_anew()
-        self._history.reset()
+        self._history = CommandHistory(self._history.memory)
         self.air_estimate.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
@@ -277,7 +273,7 @@ class Navigator:
         self.claimed = engaged
         if engaged != self.engaged:
             self.engaged = engaged
-            self._history.reset()
+            self._history = CommandHistory(self._history.memory)
 
     def begin(self, delay: float) -> None:
         """Count with a latency at once: an average of nothing would take seconds to get there.

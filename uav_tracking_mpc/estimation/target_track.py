@@ -379,12 +379,10 @@ def track_step() -> ca.Function:
         for innovation, axes in zip(innovations, covariances, strict=True)
     ]
     taken = ca.mmin(ca.vertcat(*explained)) <= seen.gate
-    scatter = ca.fmax(variances, ca.sumsqr(innovations[QUIET]) / 3.0)
-    variances = ca.if_else(seen.doubted, scatter, variances)
+    variances = ca.fmax(variances, seen.doubted * ca.sumsqr(innovations[QUIET]) / 3.0)
     for axes in covariances:
         for axis, each in enumerate(axes):
-            most = ca.fmax(each[0, 0], variances[axis])
-            each[0, 0] = ca.if_else(seen.doubted, most, each[0, 0])
+            each[0, 0] = ca.fmax(each[0, 0], seen.doubted * variances[axis])
 
     # Kalman corrections
     likelihoods, after, corrected = [], [], []
