@@ -72,6 +72,7 @@ SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tel
 SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
 # s, s, -: what the parabolas are off by between the points of the grid, of lag, sum and gain
 ROUNDING = 0.015, 0.008, 0.005
+BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
 REFINED_EVERY = 8  # measurements between refinements, one channel each
 CANDIDATES = 3, len(DEAD_TIMES), len(LAGS)  # shape of what is known of each
 
@@ -290,10 +291,7 @@ class ResponseEstimator:
         if abs(turn_rate) >= SATURATION * turn_rate_max:
             self._saturated = time
         free = [time - self._saturated > RECOVERY, True, airspeed is not None]
-        # What was flown before the first command still counts for the longest dead time.
-        self._add(
-            time, elapsed, measured, self._followed & free & (time - self._begun > DEAD_TIMES[-1])
-        )
+        self._add(time, elapsed, measured, self._followed & free & (time - self._begun > BEGIN))
         self._turn = (self._turn + 1) % (3 * REFINED_EVERY)
         if self._turn % REFINED_EVERY == 0:
             axis = self._turn // REFINED_EVERY
