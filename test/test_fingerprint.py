@@ -19,7 +19,7 @@ from collections import deque
 import numpy as np
 from fingerprint import fingerprint
 
-from uav_tracking_mpc.estimation.command_history import CommandHistory
+from uav_tracking_mpc.estimation.navigator import CommandHistory
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
 
 

@@ -231,7 +231,7 @@ def test_what_the_autopilot_holds_is_not_learnt():
         found.see(now, now.state(22.0 + rng.standard_normal()), True)
         plan = 0.1 * rng.standard_normal((1, 3))
         found.commanded(now.stamp, 0.0, plan, 0.4)
-    turn, path, speed = found.channels
+    turn, path, speed = found.estimator.channels
     assert turn != ChannelResponse()
     assert path == speed == ChannelResponse()
 

@@ -24,7 +24,6 @@ from evaluated_check import Evaluated
 from uav_tracking_mpc.estimation.air_check import (
     AIR_CHECK,
     AIRSPEED,
-    BACK,
     COMPASS_CHECK,
     HEADING,
     SNAP,
@@ -32,6 +31,7 @@ from uav_tracking_mpc.estimation.air_check import (
     compass_checked,
     repeated,
 )
+from uav_tracking_mpc.estimation.motion_check import RETURN
 from uav_tracking_mpc.estimation.sensor_health import STATES
 
 STEP, AIRSPEED_FLOWN, TURN = 0.05, 22.0, 0.073
@@ -274,7 +274,7 @@ def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0, stuck=
         for k, (heading, stands) in enumerate(zip(headings, stuck, strict=True))
     ]
     snapped = np.array([float(angle[0]) for _, angle in found])
-    return headings - snapped, (np.abs(snapped) > BACK * SNAP).tolist()
+    return headings - snapped, (np.abs(snapped) > RETURN * SNAP).tolist()
 
 
 def test_a_heading_that_is_stuck_without_an_airspeed_goes_on_as_the_gyros_turn():

@@ -16,7 +16,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.command_history import CommandHistory
+from uav_tracking_mpc.estimation.navigator import CommandHistory
 
 PLAN = np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
 
@@ -67,13 +67,6 @@ def test_within_its_memory_it_is_as_one_that_forgets_nothing(steps, memory, shar
     asked = now - share * memory
     assert history.demanded(asked, 2) == everything.demanded(asked, 2)
     assert len(history._plans) <= memory / 0.01 + 2
-
-
-def test_reset_forgets():
-    history = CommandHistory(1.0)
-    history.add(5.0, 5.0, PLAN, 0.5)
-    history.reset()
-    assert history.demanded(5.2, 0) == 0.0
 
 
 def test_a_clock_that_stood_ahead_leaves_nothing_behind():

@@ -15,8 +15,13 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation import measurement_noise
-from uav_tracking_mpc.estimation.measurement_noise import RATIO_MAX, SPAN, MeasurementNoise
+from uav_tracking_mpc.estimation.target_filter import (
+    MANOEUVRE_TIME,
+    QUANTILE,
+    RATIO_MAX,
+    MeasurementNoise,
+    _quantile,
+)
 
 
 def seen(times, positions, told=0.1):
@@ -56,9 +61,6 @@ def test_before_anything_is_measured_what_is_told_counts():
     times = 0.2 * np.arange(2)
     noise = seen(times, scattered(times, 5.0))
     assert (noise.scales == 1.0).all() and not noise.known
-    noise.see(0.4, np.zeros(3), np.full(3, 0.01))
-    noise.reset()
-    assert (noise.scales == 1.0).all()
 
 
 def test_turns_jumps_and_outliers_are_no_noise():
@@ -104,7 +106,7 @@ def test_noise_that_is_hardly_any_leaves_the_factors_finite(least):
         assert (noise.scales > 0.0).all()
 
 
-@pytest.mark.parametrize("gap", [SPAN + 1.0, 1e-3 * 0.1 / RATIO_MAX, 1e-300])
+@pytest.mark.parametrize("gap", [MANOEUVRE_TIME + 1.0, 1e-3 * 0.1 / RATIO_MAX, 1e-300])
 def test_what_says_nothing_of_noise_is_left_out(gap):
     noise = MeasurementNoise()
     for time in (0.0, gap, gap + 0.1):
@@ -114,6 +116,6 @@ def test_what_says_nothing_of_noise_is_left_out(gap):
 
 @pytest.mark.parametrize("count", [1, 2, 3, 24, 239, 240])
 def test_the_quantile_is_that_of_numpy(count):
-    values = np.random.default_rng(count).exponential(size=count).tolist()
-    expected = np.quantile(values, measurement_noise.QUANTILE)
-    assert measurement_noise._quantile(values) == expected
+    values = np.random.default_rng(count).exponential(size=count)
+    expected = np.quantile(values, QUANTILE)
+    assert _quantile(values) == expected

@@ -62,6 +62,15 @@ def test_the_drift_is_the_wind_triangle_less_the_targets_velocity():
     np.testing.assert_array_equal(now.rates, [0.2, -0.1, 0.0])  # nothing has been commanded
 
 
+def test_a_later_estimate_leaves_an_earlier_one_alone():
+    navigator = seen(FLIGHT)
+    first = estimated(navigator, measured(6.0, (1.0, 2.0, 0.0)))
+    kept = first.forecast.drift.copy(), first.present.drift.copy()
+    estimated(navigator, measured(6.1, (-5.0, 2.0, 0.0)))
+    np.testing.assert_array_equal(first.forecast.drift, kept[0])
+    np.testing.assert_array_equal(first.present.drift, kept[1])
+
+
 def test_without_a_target_there_is_no_situation():
     navigator = Navigator(FLIGHT)
     with pytest.raises(ValueError, match="no target position"):

@@ -23,7 +23,14 @@ from hypothesis import strategies as st
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, DIRECTIONS
 from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 from uav_tracking_mpc.dynamics.vehicle import advance
-from uav_tracking_mpc.estimation.situation import Situation, steady_forecast
+from uav_tracking_mpc.estimation.situation import (
+    FADE_TIME,
+    KNOWN,
+    Situation,
+    outlook,
+    steady_forecast,
+)
+from uav_tracking_mpc.estimation.target_track import REWIND, TURN
 
 FLIGHT = small_uav.parameters()
 
@@ -81,3 +88,40 @@ def test_a_steady_forecast_is_the_present_at_every_stage():
     np.testing.assert_array_equal(forecast.target, [target] * 8)
     np.testing.assert_array_equal(forecast.drift, [drift] * 8)
     np.testing.assert_array_equal(forecast.drift_rate, np.zeros((8, 3)))
+
+
+# The outlook, against the formulas evaluated one by one
+STATE = np.array([[10.0, -20.0, 3.0], [6.0, -2.0, 0.4], [0.8, 0.3, 0.0]])
+WIND, GUST, TIMES = np.array([5.0, 2.0, 0.1]), np.array([1.0, -2.0, 0.5]), np.array([8.0, 8.0, 3.0])
+TREND = np.array([0.1, -0.2, 0.0])
+FADED = np.array([1.0, -0.5, 0.2, 0.3, 0.1, -0.1])
+AHEAD = np.array([0.0, 0.2, 0.5, 3.0, 10.0])
+
+
+def ahead(travelled=0.3, left=1.0, faded=FADED, turn_rate=0.2):
+    known = np.concatenate(
+        [STATE.ravel(), [0.04, turn_rate, travelled, left], faded, WIND, TREND, GUST, TIMES]
+    )
+    assert known.shape == (KNOWN.size,)
+    return outlook(len(AHEAD))(known, AHEAD).full().T.reshape(-1, 3, 3).swapaxes(0, 1)
+
+
+@pytest.mark.parametrize(("travelled", "left"), [(0.3, 1.0), (6.0, 0.5), (0.0, 0.0)])
+@pytest.mark.parametrize("turn_rate", [0.0, 0.2, -2.0])
+def test_target_wind_gust_and_what_fades_add_up(travelled, left, turn_rate):
+    target, drift, drift_rate = ahead(travelled, left, turn_rate=turn_rate)
+    leads = travelled + left * AHEAD
+    motions = [TURN(STATE.ravel(), 0.04, turn_rate, lead).full().reshape(3, 3) for lead in leads]
+    p, v, a = np.swapaxes(motions, 0, 1)
+    share = np.exp(-AHEAD / FADE_TIME)[:, np.newaxis]
+    gust = np.exp(-AHEAD[:, np.newaxis] / TIMES) * GUST
+    np.testing.assert_allclose(target, p + share * FADED[:3], atol=1e-9)
+    expected = WIND + AHEAD[:, np.newaxis] * TREND + gust - left * v - share * FADED[3:]
+    np.testing.assert_allclose(drift, expected, atol=1e-9)
+    np.testing.assert_allclose(drift_rate, TREND - gust / TIMES - left**2 * a, atol=1e-9)
+
+
+def test_a_track_is_not_followed_further_back_than_it_reaches():
+    back = ahead(travelled=-5.0, left=0.0, faded=np.zeros(6))
+    least = TURN(STATE.ravel(), 0.04, 0.2, -REWIND).full()[:3].ravel()
+    np.testing.assert_allclose(back[0], np.tile(least, (len(AHEAD), 1)), atol=1e-9)

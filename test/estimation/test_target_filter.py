@@ -20,8 +20,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.target_filter import FORGOTTEN, TargetFilter
-from uav_tracking_mpc.estimation.target_motion import STRAIGHT_TIME, TURN
+from uav_tracking_mpc.estimation.target_filter import TargetFilter
+from uav_tracking_mpc.estimation.target_track import FORGOTTEN, STRAIGHT_TIME, TURN
 
 
 def fed(times, path, noise=0.0, agility=0.5, seed=0, dropouts=0.0):
@@ -83,7 +83,7 @@ def test_noise_is_reduced_and_the_deviation_says_by_how_much():
     ]
     error = np.std([target.motion(40.0)[0] for target in standing])
     assert error < 1.5
-    assert error < 1.5 * np.mean([target.position_std(40.0) for target in standing])
+    assert error < 1.5 * np.mean([target.track.position_std(40.0) for target in standing])
 
 
 def test_a_circle_is_predicted_along_the_turn():
@@ -163,7 +163,7 @@ def test_a_dropout_is_bridged_and_then_the_velocity_fades():
     held = 19.9 + STRAIGHT_TIME
     np.testing.assert_allclose(target.motion(held)[0], straight(held), atol=1.0)
     assert np.linalg.norm(position - straight(held)) < 11.0 * np.linalg.norm(straight(1.0))
-    early, later, latest = (target.position_std(time) for time in (20.0, 24.0, 140.0))
+    early, later, latest = (target.track.position_std(time) for time in (20.0, 24.0, 140.0))
     assert early < later < latest
 
 
@@ -227,7 +227,7 @@ def test_whatever_is_measured_estimates_are_finite(steps, noise, agility, lead):
         time += elapsed
         target.update(time, position)
         assert np.all(np.isfinite(target.motion(time + lead)))
-        assert 0.0 < target.position_std(time + lead) < np.inf
+        assert 0.0 < target.track.position_std(time + lead) < np.inf
 
 
 def test_a_velocity_is_used_at_once():

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from uav_tracking_mpc.estimation.target_motion import (
+from uav_tracking_mpc.estimation.target_track import (
     BRIDGE_TIME,
     FADE_TIME,
     MANOEUVRE_TIME,

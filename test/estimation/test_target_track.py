@@ -18,7 +18,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
-from uav_tracking_mpc.estimation.target_motion import singer_motion
 from uav_tracking_mpc.estimation.target_track import (
     AGILITIES,
     OUTLIER_VARIANCE,
@@ -26,9 +25,10 @@ from uav_tracking_mpc.estimation.target_track import (
     QUIET,
     QUIET_LEAST,
     RATES,
-    TURN,
     TURN_SPEED,
+    TURNING,
     TargetTrack,
+    singer_motion,
 )
 
 MODES = range(len(AGILITIES))
@@ -62,7 +62,7 @@ class Textbook:
                 shares = np.eye(len(AGILITIES))[QUIET]
             x, P = self.mixture(shares)
             x, P = F @ x, F @ P @ F.T + AGILITIES[mode] ** 2 * Q
-            if mode == TURN:  # at a moment of the interval, each as likely as the other
+            if mode == TURNING:  # at a moment of the interval, each as likely as the other
                 turned = np.array([[elapsed**2 / 3.0, elapsed / 2.0], [elapsed / 2.0, 1.0]])
                 P[:, :2, :2] += max(speed, TURN_SPEED) ** 2 * turned
             states.append(x)
@@ -169,7 +169,7 @@ def test_the_modes_begin_with_the_agility_that_is_told():
     ]
     assert np.all(np.diff([track.agility for track in begun]) >= 0.0)
     assert begun[0].probabilities[QUIET] > 0.9
-    assert all(track.probabilities[TURN] < 1e-9 for track in begun)
+    assert all(track.probabilities[TURNING] < 1e-9 for track in begun)
 
 
 def test_a_doubted_variance_lets_no_noise_become_speed():
@@ -216,4 +216,4 @@ def test_the_covariance_stays_positive_definite(steps, noise, agility):
             assert np.linalg.eigvalsh(covariance / np.outer(scale, scale))[0] > 0.0
         assert np.all(np.isfinite(track.state)) and np.isfinite(track.turn_rate)
         assert track.probabilities.sum() == pytest.approx(1.0)
-        assert np.isfinite(track.position_std(10.0))
+        assert np.isfinite(track.position_std(track.time + 10.0))

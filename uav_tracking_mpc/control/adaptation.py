@@ -27,7 +27,7 @@ from uav_tracking_mpc.control.softening import Softening
 from uav_tracking_mpc.control.watches import OscillationReport
 from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.response_estimator import ChannelResponse, ResponseEstimator
+from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 
 TAKING_OVER = 5.0  # s after an aircraft begins to fly the commands, in which nothing is learnt
@@ -69,7 +69,7 @@ class ResponseAdaptation:
         self._told = parameters
         self._engaged = True
         self._stamp = 0.0
-        self._learns_from: float | None = -math.inf  # s; None: from the next state on
+        self._learns_from = -math.inf  # s
         self._seen: tuple[Measurement, bool, float] | None = None  # not yet learnt from; so is
         self._sent: tuple[float, float, NDArray[np.float64], float, float] | None = None
         self._begin()
@@ -81,13 +81,8 @@ class ResponseAdaptation:
         Where it takes over from another flight, bank and climb first go over to what is commanded
         as quickly as they can, which is neither lag nor dead time.
         """
-        learns = self._learns_from is not None and self._stamp >= self._learns_from
-        return self._told.response_estimation and self._engaged and learns
-
-    @property
-    def channels(self) -> list[ChannelResponse]:
-        """What is known of turn rate, path-angle rate and acceleration."""
-        return self.estimator.channels
+        flies = self._engaged and self._stamp >= self._learns_from
+        return self._told.response_estimation and flies
 
     def reset(self) -> Response | None:
         """Forget what was learnt: what was told is flown by.
@@ -97,13 +92,13 @@ class ResponseAdaptation:
         """
         before = self.flown
         self._seen = self._sent = None
-        self.estimator.reset()
+        self.estimator = ResponseEstimator(self._commanded)
         self.oscillation.reset()
         self.softening.reset()
         self._authority.reset()
         self.limited = self._told
         self._begin()
-        return None if _same(before, self.flown) else self.flown
+        return None if np.array_equal(before, self.flown) else self.flown
 
     def _begin(self) -> None:
         self._learnt = self._told.response
@@ -129,7 +124,7 @@ class ResponseAdaptation:
         if engaged != self._engaged:
             self.learn()
             self._engaged = engaged
-            self._learns_from = None
+            self._learns_from = math.inf  # from some time after the next state on
             self.interrupt()
 
     def tell(self, parameters: TrackingParameters) -> Response | None:
@@ -147,11 +142,12 @@ class ResponseAdaptation:
         if limits != (parameters.bank_max, parameters.force_max):
             self._authority.reset()
         self.limited = self._authority.within(parameters)
-        estimating = before.response_estimation, parameters.response_estimation
-        if estimating[0] != estimating[1] or not _same(before.response, parameters.response):
+        if before.response_estimation != parameters.response_estimation or not np.array_equal(
+            before.response, parameters.response
+        ):
             self._begin()
         told = parameters.flown_by(parameters.response)
-        return None if _same(self.flown, told) else self.flown
+        return None if np.array_equal(self.flown, told) else self.flown
 
     def delay(self, axis: int) -> float:
         """Lag plus dead time that a channel is flown by, in [s].
@@ -179,8 +175,8 @@ class ResponseAdaptation:
         self.learn()
         self._air, self._stamp = vehicle[3:].tolist(), measurement.stamp
         if self._engaged:
-            over = self._stamp + TAKING_OVER  # also where time has gone back since
-            self._learns_from = over if self._learns_from is None else min(self._learns_from, over)
+            # Also where time has gone back since
+            self._learns_from = min(self._learns_from, self._stamp + TAKING_OVER)
         self._seen = measurement, airspeed_measured, gusts
 
     def commanded(
@@ -231,12 +227,11 @@ class ResponseAdaptation:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
             if seen is not None and airspeed_measured and self._told.law == PREDICTIVE:
                 inputs = (plan[0] * self.flown.gains).tolist()
-                told = measurement, self._air, inputs, self._told, delays, gusts
-                if self._authority.see(*told):
+                if self._authority.see(measurement, self._air, inputs, self._told, delays, gusts):
                     self.limited = self._authority.within(self._told)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()
-            self.oscillation.see(stamp, rates, airspeed, self.channels, delays, forced)
+            self.oscillation.see(stamp, rates, airspeed, self.estimator.channels, delays, forced)
 
     def soften(self, time: float) -> NDArray[np.float64] | None:
         """Factors of the weights of the inputs' rates from now on, shape (3,), [-].
@@ -271,7 +266,7 @@ class ResponseAdaptation:
         before = self.flown
         self._follow(most)
         self.flown = self._told.flown_by(self._learnt)
-        return None if _same(before, self.flown) else self.flown
+        return None if np.array_equal(before, self.flown) else self.flown
 
     def _follow(self, most: float) -> None:
         """Move every channel by at most so many [s], or so much gain."""
@@ -280,10 +275,10 @@ class ResponseAdaptation:
         wanted_gains = self._wanted(GAIN, gains, np.ones(3), LEAST_GAIN)
         wanted_delays = self._wanted(DELAY, delays, told_delays, LEAST_DELAY)
         shared = wanted_delays * told.lags / np.where(told_delays > 0.0, told_delays, math.inf)
-        likely = np.where([each.lag_trusted for each in self.channels], told.lags, shared)
+        likely = np.where([each.lag_trusted for each in self.estimator.channels], told.lags, shared)
         wanted_lags = self._wanted(LAG, lags, likely, LEAST_LAG)
         # A lag without the sum that it is a part of would become dead time.
-        summed = self._replaced[DELAY] | [each.trusted for each in self.channels]
+        summed = self._replaced[DELAY] | [each.trusted for each in self.estimator.channels]
         wanted_lags = np.where(summed, wanted_lags, shared)
         off = np.maximum(np.abs(wanted_lags - lags), np.abs(wanted_delays - delays))
         delays = delays + np.clip(wanted_delays - delays, -most, most)
@@ -316,14 +311,10 @@ class ResponseAdaptation:
             least: By how much a trusted one must differ.
         """
         found, deviation, trusted = (
-            np.array([getattr(each, name) for each in self.channels]) for name in names
+            np.array([getattr(each, name) for each in self.estimator.channels]) for name in names
         )
         before = self._replaced[names]
         stays = before & (np.abs(found - flown) <= SIGNIFICANT * deviation)
         needed = np.where(before, 0.5 * least, np.maximum(least, SIGNIFICANT * deviation))
         self._replaced[names] = np.where(trusted, np.abs(found - told) > needed, stays)
         return np.where(self._replaced[names], np.where(trusted, found, flown), told)
-
-
-def _same(one: Response, other: Response) -> bool:
-    return np.array_equal(one, other)

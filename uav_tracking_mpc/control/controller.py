@@ -137,7 +137,7 @@ class Controller:
 
     def reset(self) -> None:
         """Forget aircraft, air, target, plans and commands; counts stay."""
-        self._gate.reset()
+        self._gate = StateGate(self._gate.timeout)
         self.flying = self.navigator.claimed = False
         softened = bool(np.any(self.response.softening.factors > 1.0))
         self._respond(self.response.reset())

@@ -28,12 +28,7 @@
 ``noise_meter``          how noisy a signal is, and how much it wanders
 ``target_filter``        where the target is and will be, from positions that may be wrong
 ``target_track``         several models of the target's motion side by side, behind it
-``measurement_noise``    how noisy the positions are, from the positions alone
-``target_motion``        how a target moves: at random, as it is tracked, or on a turn, as predicted
-``command_history``      commands that were sent, as the aircraft flies them
-``response_candidates``  responses to those commands, for a grid of lags and dead times
 ``response_estimator``   lag, dead time, gain and their deviations, from commands and response
-``outlook``              target and drift from now on, from what is known of both
 ``navigator``            measurements in, situations and forecast out
 ``situation``            aircraft, target and the drift between them, now and over a horizon
 =======================  =======================================================================

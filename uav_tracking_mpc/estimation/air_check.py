@@ -44,7 +44,8 @@ from types import SimpleNamespace
 
 import casadi as ca
 
-from uav_tracking_mpc.estimation.motion_check import AGREEING, DEVIATIONS
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
+from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN
 from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.symbolic.layout import Layout
 
@@ -69,12 +70,10 @@ CHANGES = 40.0
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
 COMPARED = 60.0  # s, memory of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts that are taken at first, and the weight of that
-# -, share of a jump that is the sensor's own: above the one it is named, below the other it is used
-OWN_SHARE, LEAST_SHARE = 0.5, 0.25
+OWN_SHARE = 0.5  # -, share of a jump that is the sensor's own, above which it is named
 DOUBT = 1.5  # m/s, by which a sound airspeed may read otherwise than the wind explains
 AGREED_FOR = 5.0  # s, for which a sensor must have agreed to be used again
-# m/s, rad: least speed through the air that tells a heading; the greatest difference of headings
-FLYING, HALF_TURN = 1.0, math.pi + 0.5
+HALF_TURN = math.pi + 0.5  # rad, greatest difference of headings
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 # -, m/s: the same where nothing is commanded: a reading stands so many times as long as usual, and
 # the speed changes by more than the steps of a coarse one
@@ -94,10 +93,9 @@ AIR_CHECK = Layout(
 
 # The compass by the gyros
 
-# rad, rad/s, -, -: a heading jumps if it differs from that of the gyros by more than SNAP, plus
-# SNAP_RATE times the time since the last one, plus so many standard deviations of its noise. It is
-# right again below a share BACK of SNAP.
-SNAP, SNAP_RATE, SNAP_DEVIATIONS, BACK = 0.1, 0.3, 8.0, 0.5
+# rad, rad/s, -: a heading jumps if it differs from that of the gyros by more than SNAP, plus
+# SNAP_RATE times the time since the last one, plus so many standard deviations of its noise.
+SNAP, SNAP_RATE, SNAP_DEVIATIONS = 0.1, 0.3, 8.0
 GYRO_TIME = 120.0  # s, memory of the gyros' bias: a compass that drifts is found before
 COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1)
 
@@ -157,7 +155,7 @@ def air_checked(
         speed = ca.norm_2(each)
         off = ca.remainder(ca.atan2(each[1], each[0]) - heading, math.tau)
         # A residual of half a turn must not cancel itself by its sign.
-        before = before / ca.fmax(speed, FLYING)
+        before = before / ca.fmax(speed, LEAST_AIRSPEED)
         same = off + math.tau * _turns(before - off)
         off = ca.if_else(ca.fabs(same) < HALF_TURN, same, off)
         # As residuals change with the sensors, where a compass has turned about as well.
@@ -166,14 +164,6 @@ def air_checked(
         residuals += [ca.if_else(present, level * reading - speed, 0.0), speed * off]
     enough = ca.if_else(settled, WIND_IN_GUSTS, WIND_KNOWN)
     known_winds = ca.logic_and(elapsed > 0.0, wind_deviations <= enough)
-    compared = ca.vertsplit(known_winds)
-    moved = ca.fmax(
-        ca.norm_2(explained - known.explained), known.moved * ca.exp(-elapsed / CHANGES)
-    )
-    followed, recent = (
-        value + ca.fmin(elapsed / time, 1.0) * (explained - value)
-        for value, time in ((known.explained, CHANGES), (known.recent, CHANGE_TIME))
-    )
     after = _compared(
         known,
         elapsed,
@@ -182,19 +172,17 @@ def air_checked(
         own,
         turn_told,
         ca.vertcat(*TURNED) * wind_deviations,
-        moved,
-        ca.norm_2(explained - recent),
+        explained,
     )
+    # What is known where nothing is compared
+    known.weight, known.moved, known.explained, known.recent = 0.0, 0.0, explained, explained
+    airspeed_compared = known_winds[AIRSPEED]
     for name, value in vars(after).items():
-        judged = {4: _of_residuals(known_winds), 2: known_winds, 1: compared[AIRSPEED]}[
-            value.numel()
-        ]
+        judged = {4: _of_residuals(known_winds), 2: known_winds}.get(
+            value.numel(), airspeed_compared
+        )
         setattr(known, name, ca.if_else(judged, value, getattr(known, name)))
-    known.weight = ca.if_else(known_winds, after.weight, 0.0)
-    known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
-    known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
-    known.recent = ca.if_else(compared[AIRSPEED], recent, explained)
-    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + moved
+    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + after.moved
     # When the comparison begins, the wind may still be what is wrong.
     early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
     gate += early * DEVIATIONS * wind_deviations[AIRSPEED]
@@ -254,10 +242,13 @@ def _compared(
     own: ca.SX,
     turn_told: ca.SX,
     turned: ca.SX,
-    changes: ca.SX,
-    lately: ca.SX,
+    explained: ca.SX,
 ) -> SimpleNamespace:
     """What is known after residuals have been followed, with the states of both sensors."""
+    moved = ca.norm_2(explained - known.explained)
+    moved = ca.fmax(moved, known.moved * ca.exp(-elapsed / CHANGES))
+    followed = known.explained + ca.fmin(elapsed / CHANGES, 1.0) * (explained - known.explained)
+    recent = known.recent + ca.fmin(elapsed / CHANGE_TIME, 1.0) * (explained - known.recent)
     fresh, reasons = weight == 0.0, known.reasons
     begins = _of_residuals(fresh)
     now, before = (ca.if_else(begins, residuals, each) for each in (known.now, known.before))
@@ -282,14 +273,14 @@ def _compared(
     jumps, its_jump, its_lasting = now - before, (now - before)[ITS], lasting[ITS]
     usual = DEVIATIONS * ca.sqrt(known.jumps[OTHER] + turned**2)
     usual = ca.fmax(usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[ITS]))
-    usual = ca.fmax(usual, ca.vertcat(lately, 0.0))
+    usual = ca.fmax(usual, ca.vertcat(ca.norm_2(explained - recent), 0.0))
     most = ca.fmax(LEAST_JUMP + usual, DOMINANCE * ca.fabs(jumps[OTHER]))
     least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[OTHER])
-    least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[OTHER])) + ca.vertcat(changes, 0.0)
+    least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[OTHER])) + ca.vertcat(moved, 0.0)
     by_sensor, size = ca.sign(its_jump) * owned, ca.fabs(its_jump)
     by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
     jumped = (size > most) * (by_sensor > OWN_SHARE * size)
-    by_air = (size > most) * (by_sensor < LEAST_SHARE * size)
+    by_air = (size > most) * (by_sensor < RETURN * OWN_SHARE * size)
     # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
     # of it is not explained.
     drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
@@ -299,7 +290,7 @@ def _compared(
     off = (beyond > 0.0) * drifts
     unexplained = late * both_used * (beyond[HEADING] <= 0.0) * ca.fmax(beyond[AIRSPEED], 0.0)
     found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
-    agrees = ca.fabs(now[ITS]) < AGREEING * ca.fmin(most, least)
+    agrees = ca.fabs(now[ITS]) < RETURN * ca.fmin(most, least)
     agrees[AIRSPEED] *= known.stood < STUCK_FOR
     agrees *= ca.logic_or(reasons == CODE[JUMPED], reasons == CODE[OFF])
     agreed = ca.if_else(agrees, known.agreed + elapsed, 0.0)
@@ -323,6 +314,9 @@ def _compared(
         drifted=drifted,
         doubts=ca.if_else(again[AIRSPEED], 0.0, doubts),
         unexplained=unexplained,
+        moved=moved,
+        explained=followed,
+        recent=recent,
         jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )

@@ -28,18 +28,15 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
+from uav_tracking_mpc.estimation.flight_path import (
+    LEAST_AIRSPEED,
+    QUICK_CLIMB,
+    SLOW_CLIMB,
+    FlightPath,
+)
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
 from uav_tracking_mpc.estimation.motion_check import STALE
-from uav_tracking_mpc.estimation.sensor_health import (
-    CODE,
-    HEADING,
-    OFF,
-    SILENT,
-    STUCK,
-    USED,
-    VELOCITY,
-)
+from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
@@ -52,44 +49,9 @@ STUCK_TIME, STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.7, 0.04, 3.0, 0.1
 # impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
 # it is used again
 POSSIBLE = 0.75, 1.25
-# m/s, rad, rad, s: a heading counts from North to East if the aircraft flies at least so fast, for
-# so long, beside its heading by more than BESIDE, and beside the mirrored one by less than ALONG
-FLYING, BESIDE, ALONG, MIRRORED_FOR = 5.0, 1.0, 0.5, 3.0
-# That must change as the aircraft does; the climb is compared with the height, and with the pitch
-BANK, CLIMB, LEVEL = "bank", "climb", "level flight"
-READINGS = HEADING, VELOCITY, BANK, CLIMB, LEVEL
-
-
-class Repetition:
-    """Whether a reading stays the same to the last bit while it must change.
-
-    Attributes:
-        stuck: Whether it does.
-    """
-
-    def __init__(self) -> None:
-        self._reading: object = None
-        self._time = self._change = 0.0
-        self.stuck = False
-
-    def see(
-        self, elapsed: float, reading: object, change: float, most: float, longest: float
-    ) -> None:
-        """Take in a reading.
-
-        Args:
-            elapsed: Since the one before in [s].
-            reading: Anything that can be compared.
-            change: Of the aircraft since then.
-            most: Such change that a reading may not show.
-            longest: For how long it may stay the same all the same in [s].
-        """
-        same = reading == self._reading
-        self._reading = reading
-        self._time = same * (self._time + elapsed)
-        self._change = same * (self._change + change)
-        changed = self._time > longest and abs(self._change) > most
-        self.stuck = same and (self.stuck or changed)
+# rad, rad, s: a heading counts from North to East if the aircraft flies for so long beside its
+# heading by more than BESIDE, and beside the mirrored one by less than ALONG
+BESIDE, ALONG, MIRRORED_FOR = 1.0, 0.5, 3.0
 
 
 class AirData:
@@ -119,7 +81,7 @@ class AirData:
 
     def __init__(self, timeout: float, found: SimpleNamespace) -> None:
         self.timeout, self.limits, self.holds_altitude = timeout, (0.0, math.inf), False
-        self._path, self._found = FlightPath(), found
+        self._found = found
         self.reset()
 
     def reset(self) -> None:
@@ -131,12 +93,15 @@ class AirData:
         """Forget the aircraft, as one that is elsewhere; what was measured of the air counts on."""
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
         self.missing = self.awaited = self.impossible = False
-        self._path.reset()
-        self._repeated = {name: Repetition() for name in READINGS}
+        self._path = FlightPath()
+        # Of each reading that must change as the aircraft does: what it is, for how long it has
+        # been that [s], how the aircraft has changed meanwhile, whether it is stuck.
+        self._readings: tuple[object, ...] = (None,) * 5
+        self._stood, self._changed, self._repeated = np.zeros(5), np.zeros(5), np.zeros(5, bool)
         self._turn_rate = 0.0  # rad/s, of the nose
         self._place, self._stays = (math.nan,) * 3, 0.0  # m, and for how long it is the same in [s]
         self.stuck, self.climb_state = (False, False), USED
-        self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
+        self._first = math.inf  # stamp of the first measurement; -inf after an airspeed
         self.nose: tuple[float, float] | None = None
         self.by_turn, self._mirrored = math.inf, 0.0
 
@@ -175,14 +140,13 @@ class AirData:
         self.impossible = self._is_impossible(airspeed, measurement)
         airspeed = None if self.impossible else airspeed
         self.missing = airspeed is None
-        if airspeed is not None or self._first is None:
-            self._first = stamp if airspeed is None else -math.inf
+        self._first = min(self._first, stamp) if self.missing else -math.inf
         self.awaited = self.missing and stamp - self._first < self.timeout
         held = self.holds_altitude and not (self.missing or self._failed)
-        stuck = {name: reading.stuck for name, reading in self._repeated.items()}
-        climb_stuck = stuck[CLIMB] or stuck[LEVEL]
+        heading_stuck, bank_stuck, velocity_stuck, *climbs_stuck = self._repeated.tolist()
+        climb_stuck = any(climbs_stuck)
         plausible = self._plausible(measurement, airspeed)
-        attitude = replace(measurement, bank=None) if stuck[BANK] else measurement
+        attitude = replace(measurement, bank=None) if bank_stuck else measurement
         of_path = self._path.of(
             attitude,
             plausible,
@@ -191,7 +155,7 @@ class AirData:
             velocity_failed=self._velocity_failed,
             climb_stuck=climb_stuck,
             heading_failed=bool(self._found.states[1] or self._found.snapped[0]),
-            heading_stuck=stuck[HEADING],
+            heading_stuck=heading_stuck,
         )
         self.nose, self.by_turn, self.climb_state = None, math.inf, USED
         if of_path is not attitude:
@@ -199,32 +163,31 @@ class AirData:
             self.by_turn = plausible * self._path.airspeed_share
             if climb_stuck or self._path.climb.failed:
                 self.climb_state = STUCK if climb_stuck else OFF
-        climb_stuck = climb_stuck and self.nose is None
-        self.stuck = stuck[HEADING], stuck[VELOCITY] or climb_stuck
-        if airspeed is not None:
-            return of_path, of_path.state(airspeed)
-        east, north, up = (float(value) for value in measurement.ground_velocity)
-        speed = math.sqrt(east**2 + north**2 + up**2)
-        if not speed > SLOW:
-            return of_path, of_path.state(speed)
-        heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
-        return of_path, np.array([*measurement.position, heading, path_angle, speed])
+        self.stuck = heading_stuck, velocity_stuck or (climb_stuck and self.nose is None)
+        east, north, up = measurement.ground_velocity.tolist()
+        speed = math.hypot(east, north, up)
+        vehicle = of_path.state(speed if airspeed is None else airspeed)
+        if airspeed is None and speed > SLOW:
+            vehicle[3:5] = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
+        return of_path, vehicle
 
     def _is_impossible(self, airspeed: float | None, measurement: Measurement) -> bool:
         """Whether nobody flies at an airspeed, or it does not agree yet with what stood in."""
         if airspeed is None:
             return False
         (low, high), (least, most) = POSSIBLE, self.limits
-        if self._found.known[0] and not self._velocity_failed:
-            flown = max(self._expected(measurement), SLOW)
-            if low <= airspeed / flown <= high:  # as after an engine that has failed
-                return False
+
+        def agrees(other: float) -> bool:
+            return low <= airspeed / max(other, SLOW) <= high
+
+        wind_known = self._found.known[0] and not self._velocity_failed
+        if wind_known and agrees(self._expected(measurement)):  # as after an engine that has failed
+            return False
         flies = math.hypot(*measurement.ground_velocity.tolist()) > low * least
         if airspeed > high * most or (airspeed < low * least and flies):
             return True
         estimated = float(self._found.vehicle[5])
-        off = estimated > 0.0 and not low <= airspeed / max(estimated, SLOW) <= high
-        return self.impossible and off
+        return self.impossible and estimated > 0.0 and not agrees(estimated)
 
     def _compare(self, measurement: Measurement, elapsed: float, height_noise: float) -> None:
         """Whether heading and ground velocity change as the aircraft does."""
@@ -233,38 +196,31 @@ class AirData:
         # Only a new position tells a velocity that is stuck from a receiver that is read seldom.
         repeats = place == self._place or not measurement.placed
         self._stays = repeats * (self._stays + elapsed)
-        longest = STUCK_TIME
-        if repeats:
-            longest = STALE if self._stays > STALE else math.inf
+        waits = STALE if self._stays > STALE else math.inf
+        seldom = waits if repeats else STUCK_TIME
         told = measurement.axis is Axis.BODY and measurement.bank is not None
         rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
-        missed = place[2] - self._place[2] - elapsed * velocity[2]
-        missed = 0.0 if math.isnan(missed) else missed
-        most = STUCK_CLIMB + NOISE_MULTIPLE * height_noise
+        climbed = np.nan_to_num(place[2] - self._place[2] - elapsed * velocity[2])
         # Where height and climb are stuck together, the pitch tells.
         by_pitch = elapsed * self._path.climb.missed
-        changes: dict[str, tuple[object, float, float, float]] = {
-            HEADING: (measurement.heading, turned, STUCK_TURN, STUCK_TIME),
-            BANK: (measurement.bank, told * rolled, STUCK_ROLL, STUCK_TIME),
-            VELOCITY: (velocity, turned, STUCK_TURN, longest),
-            CLIMB: (velocity[2], missed, most, longest),
-            LEVEL: (velocity[2], by_pitch, STUCK_CLIMB, longest),
-        }
-        for name, change in changes.items():
-            self._repeated[name].see(elapsed, *change)
+        most = STUCK_CLIMB + NOISE_MULTIPLE * height_noise
+        readings = measurement.heading, measurement.bank, velocity, velocity[2], velocity[2]
+        changes = np.array([turned, told * rolled, turned, climbed, by_pitch])
+        limits = np.array([STUCK_TURN, STUCK_ROLL, STUCK_TURN, most, STUCK_CLIMB])
+        longest = np.array([STUCK_TIME, STUCK_TIME, seldom, seldom, seldom])
+        same = np.array([now == last for now, last in zip(readings, self._readings, strict=True)])
+        self._readings = readings
+        self._stood = same * (self._stood + elapsed)
+        self._changed = same * (self._changed + changes)
+        hides = (self._stood > longest) & (np.abs(self._changed) > limits)
+        self._repeated = same & (self._repeated | hides)
         self._place = place
-        self._compare_with_course(measurement.heading, velocity[0], velocity[1], elapsed)
-
-    def _compare_with_course(
-        self, heading: float, east: float, north: float, elapsed: float
-    ) -> None:
-        """For how long in [s] a heading in [rad] has looked like one that counts from North."""
-        course = math.atan2(north, east)
-        beside = abs(math.remainder(course - heading, math.tau))
-        mirrored = abs(math.remainder(course + heading - 0.5 * math.pi, math.tau))
-        looks = math.hypot(east, north) > FLYING and beside > BESIDE and mirrored < ALONG
-        stuck = self._repeated[HEADING].stuck or self._repeated[VELOCITY].stuck
-        sound = not (stuck or self._velocity_failed)
+        # A heading that counts from North to East is the mirrored one.
+        course = math.atan2(velocity[1], velocity[0])
+        beside = abs(math.remainder(course - measurement.heading, math.tau))
+        mirrored = abs(math.remainder(course + measurement.heading - 0.5 * math.pi, math.tau))
+        looks = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and beside > BESIDE and mirrored < ALONG
+        sound = not (self._repeated[0] or self._repeated[2] or self._velocity_failed)
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
 
     @property
@@ -287,12 +243,12 @@ class AirData:
 
     def _plausible(self, measurement: Measurement, airspeed: float | None) -> float:
         """Airspeed that fits the wind, in [m/s]."""
+        expected = self._expected(measurement)
         if airspeed is None:
-            estimated = float(self._found.vehicle[5])
-            return estimated if self._velocity_failed else self._expected(measurement)
+            return float(self._found.vehicle[5]) if self._velocity_failed else expected
         if not self._found.known[0] or self._velocity_failed:
             return airspeed
-        expected, gusts = self._expected(measurement), 0.0 if self._failed else GUSTS
+        gusts = 0.0 if self._failed else GUSTS
         return min(max(airspeed, expected - gusts), expected + gusts)
 
     def _expected(self, measurement: Measurement) -> float:
@@ -316,7 +272,7 @@ class AirData:
                 "the nose turns against the bank: the attitude is taken for the direction flown",
             ),
             (
-                self._repeated[BANK].stuck,
+                bool(self._repeated[1]),
                 "the bank is stuck: the attitude is taken for the direction flown",
             ),
             (

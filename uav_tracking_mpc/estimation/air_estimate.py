@@ -40,10 +40,7 @@ from uav_tracking_mpc.estimation import (
     rate_aided,
     wind_filter,
 )
-from uav_tracking_mpc.estimation.air_check import AIR_CHECK, COMPASS_CHECK
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.motion_check import POSITION_CHECK, VELOCITY_CHECK
-from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
 from uav_tracking_mpc.estimation.sensor_health import (
     CODE,
     HEADING,
@@ -76,10 +73,11 @@ LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothin
 BLIND, WITHOUT_AIRSPEED = 100.0, 1e4
 TURN_SLIP = 0.15  # -, by which an aircraft that slips may turn quicker than its bank tells
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
-MAIN, NO_AIRSPEED, NO_HEADING = range(3)  # filters: what they go by
+MAIN, NO_AIRSPEED = range(2)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
 # Of their covariance
 LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each in (W, G))
+POSITION = DIAGONAL[P].tolist()
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
@@ -91,12 +89,12 @@ MEMORY = Layout(
     meters=wind_filter.METERS.layout,
     places=wind_filter.PLACES.layout,
     quick=wind_filter.QUICK,
-    aided=RATE_AIDED,
-    air=AIR_CHECK,
-    compass=COMPASS_CHECK,
+    aided=rate_aided.RATE_AIDED,
+    air=air_check.AIR_CHECK,
+    compass=air_check.COMPASS_CHECK,
     follower=wind_filter.FOLLOWER,
-    velocity=VELOCITY_CHECK,
-    place=POSITION_CHECK,
+    velocity=motion_check.VELOCITY_CHECK,
+    place=motion_check.POSITION_CHECK,
     ground=3,
 )
 # (x, y, z, psi, chi, v) through the air; (psi', chi', v'); mean wind [m/s] and how it changes
@@ -122,7 +120,6 @@ class AirEstimate:
     """
 
     def __init__(self) -> None:
-        self.health = SensorHealth()
         self._memory, self._told = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(self._told)
         self.state = STATE.parts(self._known.main.state)
@@ -134,7 +131,7 @@ class AirEstimate:
         """Forget the air and believe every sensor."""
         self._memory[:], self._step.results[1][:] = MEMORY.begin, 0.0
         self._time: float | None = None
-        self.health.reset()
+        self.health = SensorHealth()
 
     def _forget(self, *names: str) -> None:
         for name in names:
@@ -316,10 +313,9 @@ def _step() -> ca.Function:
     # The first positions have been believed too much where they turn out to be noisy; and noise is
     # metered of those that wait, too, or it would never be found.
     believed = ca.fmax(places.held, wind_filter.POSITION_NOISE**2)
+    uncertain = ca.if_else(scatter > believed, scatter, 0.0)
     for lane in lanes:
-        for axis in DIAGONAL[P].tolist():
-            uncertain = ca.fmax(lane.triangle[axis], scatter)
-            lane.triangle[axis] = ca.if_else(scatter > believed, uncertain, lane.triangle[axis])
+        lane.triangle[POSITION] = ca.fmax(lane.triangle[POSITION], uncertain)
     read = ca.if_else(fresh * (code == CODE[JUMPED]), seen.position, position)
     # Once positions scatter, what was metered before counts as little as some seconds of samples.
     places.weight = ca.fmin(places.weight, ca.if_else(scattered, noise_meter.EARLY, ca.inf))
@@ -335,31 +331,31 @@ def _step() -> ca.Function:
     # The filters of the wind. What is known of it in one direction tells no heading yet: a filter
     # that went by one would drift to and fro along a circle of winds, all of the same airspeed.
     turned = ca.if_else(wind_deviations[1] > air_check.WIND_IN_GUSTS, heading, turned)
-    ahead = []
     walks = wind_filter.METERS.walks(meters)
-    for which, lane in enumerate(lanes):
+    # Heading and airspeed that each goes by, and which of airspeed and heading it does not know
+    guesses = (
+        (heading, airspeed, out[0], out[1]),
+        (heading, by_wind[1], ca.SX(1.0), out[1]),
+        (turned, airspeed, out[0], ca.SX(1.0)),
+    )
+    ahead = []
+    for lane, (psi, v, no_airspeed, no_heading) in zip(lanes, guesses, strict=True):
         lane.state[P] = ca.if_else(moved, position, lane.state[P])
-        guess = (
-            turned if which == NO_HEADING else heading,
-            path_angle,
-            by_wind[1] if which == NO_AIRSPEED else airspeed,
-        )
-        velocity_through = ca.vertcat(*vehicle_model.air_velocity(*guess, ca))
-        no_airspeed = 1.0 if which == NO_AIRSPEED else out[0]
-        loose = _loose(heading, no_airspeed, 1.0 if which == NO_HEADING else out[1])
+        velocity_through = ca.vertcat(*vehicle_model.air_velocity(psi, path_angle, v, ca))
+        loose = _loose(heading, no_airspeed, no_heading)
         ahead.append(
             wind_filter.predicted(
                 lane, dt, velocity_through, seen.scales, loose, walks, unexplained
             )
         )
-    expected = wind_filter.expected_velocity(ahead[MAIN])
+    through, state = wind_filter.through_air(ahead[MAIN]), ahead[MAIN].state
+    expected = through + state[W] + state[G] + state[B]
     ground = ca.if_else(odd, ca.if_else(no_airspeed_used, by_positions, expected), seen.ground)
-    sample = wind_filter.sampled(ahead[MAIN], read, ground)
     told, told_velocity = seen.position_noise**2, seen.velocity_noise**2
     told_mean = ca.sum1(told) / 3.0
     by_source = ca.vertcat(0.5 * ca.sum1(told_velocity[:2]), told_velocity[2])
-    metered = wind_filter.METERS.metered(meters, dt, sample[:3], by_source)
-    metered_places = wind_filter.PLACES.metered(places, dt, sample[3:], told_mean)
+    metered = wind_filter.METERS.metered(meters, dt, ground - through, by_source)
+    metered_places = wind_filter.PLACES.metered(places, dt, read - state[P], told_mean)
     share = ca.if_else(told_mean > 0.0, told / told_mean, 1.0)
     noise = ca.vertcat(
         ca.fmax(metered_places.held * share, ca.fmax(scatter, wind_filter.POSITION_NOISE**2)),
@@ -405,7 +401,7 @@ def _step() -> ca.Function:
         states=ca.vertcat(
             air.reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])
         ),
-        snapped=ca.fabs(snapped) > air_check.BACK * air_check.SNAP,
+        snapped=ca.fabs(snapped) > motion_check.RETURN * air_check.SNAP,
         changed=changed,
         without=blind.state[W],
         known=ca.mmax(blind.triangle[LEVEL_WIND]) <= air_check.WIND_KNOWN**2,
@@ -419,7 +415,7 @@ def _step() -> ca.Function:
     )
 
 
-def _loose(heading: ca.SX, airspeed: ca.SX | float, across: ca.SX | float) -> ca.SX:
+def _loose(heading: ca.SX, airspeed: ca.SX, across: ca.SX) -> ca.SX:
     """Directions in which the air velocity is not measured, times the deviation, shape (3, 2).
 
     Args:

@@ -68,10 +68,10 @@ import math
 
 from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 FREQUENCY = 0.3  # rad/s, omega: well below the swing's, which is some rad/s
-LONGEST_STEP = 0.5  # s between attitudes, after which the filter begins anew
 SURPLUS_LIMIT = 0.15  # rad/s, of a turn's surplus over its bank
 SHARE_LIMIT = 0.4  # -, of the surplus that grows with the turn
 STEEP_TURN = 0.1  # rad/s, rho: from there on a turn tells more of the share than of the rest
@@ -122,7 +122,7 @@ class FlightDirection:
             bank_rate: r_b in [rad/s].
         """
         before, self._bank_rate = self._bank_rate, bank_rate
-        if 0.0 < step <= LONGEST_STEP:
+        if 0.0 < step <= LONGEST_GAP:
             self.heading += step * (0.5 * (before + bank_rate) + self.surplus)
             swing = 0.0 if nose is None else math.remainder(nose - self.heading, 2.0 * math.pi)
             self.heading += 2.0 * FREQUENCY * step * swing
@@ -154,11 +154,15 @@ class Followed:
     def see(self, step: float, measured: float, frequency: float) -> None:
         """Take in a measurement, for which the filter's equation is solved as if it stood still.
 
+        After a gap it begins anew.
+
         Args:
             step: Since the one before in [s].
             measured: The value.
             frequency: omega in [rad/s].
         """
+        if not 0.0 <= step <= LONGEST_GAP:
+            self.value, self.rate, step = measured, 0.0, 0.0
         faded, error = math.exp(-frequency * step), self.value - measured
         slope = self.rate - frequency * error
         error += step * slope
@@ -194,13 +198,13 @@ class Climb:
             height: As it is measured in [m]; no number where it is not.
             noise: Standard deviation of the height, as far as it is known, in [m].
         """
-        besides, moved = self._besides, min(step, LONGEST_STEP)
+        besides, moved = self._besides, min(step, LONGEST_GAP)
         carried = besides.value + moved * besides.rate
         self.nose_climb += (1.0 - math.exp(-moved / CLIMB_LAG)) * (by_pitch - self.nose_climb)
         self._by_pitch += moved * self.nose_climb
         # What repeats itself tells nothing: a height that is stuck would hold the climb at 0.
         rise = 0.0 if math.isnan(height) else height - self._height
-        tells, begins = rise != 0.0, math.isnan(rise) or step > LONGEST_STEP
+        tells, begins = rise != 0.0, math.isnan(rise) or step > LONGEST_GAP
         if begins:
             self.nose_climb, besides.rate = by_pitch, up - by_pitch
             self._apart, self._odd = 0.0, math.nan
@@ -257,10 +261,6 @@ class FlightPath:
     """
 
     def __init__(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the aircraft."""
         self.direction = FlightDirection()
         self._followed = Followed()  # w [m/s] and a [m/s^2]
         self.climb = Climb()
@@ -331,10 +331,7 @@ class FlightPath:
         bridged = up + self.climb.nose_climb - self._nose_climb  # since it was measured
         climb_failed = climb_stuck or self.climb.failed
         up = by_pitch if velocity_failed or climb_failed else bridged
-        if 0.0 < step <= LONGEST_STEP:
-            climb.see(step, up, climb_frequency)
-        elif step != 0.0:
-            climb.value, climb.rate = up, 0.0
+        climb.see(step, up, climb_frequency)
         if not velocity_failed:  # else it shall not agree because it was replaced
             ground_velocity[2] = climb.value
             if climb_failed:
@@ -343,7 +340,7 @@ class FlightPath:
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
         turned = math.remainder(nose - self._nose, 2.0 * math.pi)
-        if 0.0 < step <= LONGEST_STEP and not heading_stuck:
+        if 0.0 < step <= LONGEST_GAP and not heading_stuck:
             if abs(turned - step * by_bank) > NOSE_JUMP:
                 direction.heading += turned  # for others to judge; it tells nothing of the turn
             else:

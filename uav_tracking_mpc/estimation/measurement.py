@@ -37,7 +37,6 @@ NOISE_LIMITS = {
     "airspeed": 10.0,  # m/s
 }
 
-UNKNOWN = (0.0, 0.0, 0.0)  # -, of any unit: nothing is told
 NUMBERS = ("stamp", "heading", "path_angle", "turn_rate", "path_angle_rate", "airspeed", "bank")
 MISSING = ("airspeed", "bank")  # of these, what a source need not measure
 
@@ -72,21 +71,18 @@ def makes_sense(variances: Sequence[float]) -> bool:
     return min(variances) >= 0.0 and 0.0 < sum(variances) < math.inf
 
 
-def axes_noise(name: str, variances: Sequence[float]) -> tuple[float, float, float]:
+def told_noise(name: str, variances: Sequence[float]) -> tuple[float, ...]:
     """Standard deviation of each axis, in its unit [SI]; zeros where unknown.
 
     Args:
-        name: ``position`` or ``velocity``, as of :class:`SensorNoise`.
-        variances: Of three axes, in the square of the unit [SI].
+        name: As of :class:`SensorNoise`.
+        variances: Of each axis, in the square of the unit [SI].
     """
     if not makes_sense(variances) or max(variances) > NOISE_LIMITS[name] ** 2:
-        return UNKNOWN
-    if 0.0 in variances:
-        known = [variance for variance in variances if variance > 0.0]
-        mean = sum(known) / len(known)
-        variances = [variance or mean for variance in variances]
-    x, y, z = variances
-    return math.sqrt(x), math.sqrt(y), math.sqrt(z)
+        return (0.0,) * len(variances)
+    known = [variance for variance in variances if variance > 0.0]
+    mean = sum(known) / len(known)
+    return tuple(math.sqrt(variance or mean) for variance in variances)
 
 
 @dataclass(frozen=True)
@@ -104,8 +100,8 @@ class SensorNoise:
         MeasurementError: One is negative, not finite, or so large that it says nothing.
     """
 
-    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    position: tuple[float, ...] = (0.0, 0.0, 0.0)
+    velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
     heading: float = 0.0
     path_angle: float = 0.0
     airspeed: float = 0.0
@@ -122,12 +118,12 @@ class SensorNoise:
             heading: In [rad^2].
             path_angle: In [rad^2].
         """
-        angles = [
-            math.sqrt(variance) if 0.0 < variance <= NOISE_LIMITS[name] ** 2 else 0.0
-            for name, variance in (("heading", heading), ("path_angle", path_angle))
-        ]
-        axes = axes_noise("position", position), axes_noise("velocity", velocity)
-        return cls(*axes, *angles)
+        return cls(
+            told_noise("position", position),
+            told_noise("velocity", velocity),
+            *told_noise("heading", [heading]),
+            *told_noise("path_angle", [path_angle]),
+        )
 
     def __post_init__(self) -> None:
         """Refuse what is no standard deviation."""
@@ -193,8 +189,7 @@ class Measurement:
         if position.shape != (3,) or not all(map(math.isnan, position.tolist())):
             position = vector("position", self.position)
         object.__setattr__(self, "position", position)
-        velocity = vector("ground_velocity", self.ground_velocity)
-        object.__setattr__(self, "ground_velocity", velocity)
+        object.__setattr__(self, "ground_velocity", vector("ground_velocity", self.ground_velocity))
         for name in NUMBERS:
             value = getattr(self, name)
             if name in MISSING and (value is None or math.isnan(value)):
@@ -221,5 +216,4 @@ class Measurement:
         Returns:
             (x, y, z, psi, chi, v), shape (6,).
         """
-        x, y, z = self.position.tolist()
-        return np.array([x, y, z, self.heading, self.path_angle, airspeed])
+        return np.array([*self.position.tolist(), self.heading, self.path_angle, airspeed])

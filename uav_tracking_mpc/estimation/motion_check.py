@@ -34,7 +34,7 @@ from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 from uav_tracking_mpc.symbolic.layout import Layout
 
 DEVIATIONS = 4.0  # -, standard deviations that gusts explain
-AGREEING = 0.5  # -, share of its limits that a sensor must keep to before it is used again
+RETURN = 0.5  # -, share of its limits that what was left out must keep to before it counts again
 
 # Ground velocity
 ODD = 10.0  # m/s, beyond gusts: a ground velocity that differs by more from the expected is odd
@@ -108,7 +108,7 @@ def velocity_checked(
     changed = full * far * known.odd * (error < ca.norm_2(flown - by_expected))
     limit = CONTRARY * time + NOISE_MULTIPLE * noise
     along = ca.dot(difference, known.error) > ALIKE * error * error_before
-    kept = ca.logic_and(known.contrary >= CONTRARY_TIME, error > AGREEING * limit)
+    kept = ca.logic_and(known.contrary >= CONTRARY_TIME, error > RETURN * limit)
     contrary = ca.fmin(ca.if_else(along, known.contrary, 0.0) + WINDOW, CONTRARY_TIME)
     contrary = ca.if_else(error > limit, contrary, 0.0)
     contrary = ca.if_else(kept, known.contrary, contrary)

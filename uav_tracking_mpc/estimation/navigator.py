@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -28,12 +29,10 @@ from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
-from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
-from uav_tracking_mpc.estimation.response_candidates import ACCELERATION
+from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, USED, VELOCITY
-from uav_tracking_mpc.estimation.situation import Forecast, Situation
+from uav_tracking_mpc.estimation.situation import FADE_TIME, KNOWN, Forecast, Situation, outlook
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
@@ -62,6 +61,55 @@ class Estimate(NamedTuple):
     present: Situation
     effect: Situation
     forecast: Forecast
+
+
+class CommandHistory:
+    """Commands that were sent, as the aircraft flies them: plans by the time of sending.
+
+    A plan's segments are laid out from the stamp of the state that it answers, but the aircraft
+    flies the plan before it until the new one has been sent.
+
+    Args:
+        memory: How long a plan is kept after another has replaced it, in [s].
+    """
+
+    def __init__(self, memory: float) -> None:
+        self.memory = memory
+        # When each was sent and begins, its inputs and its step. The numbers of a list are read ten
+        # times as fast as those of an array.
+        self._plans: deque[tuple[float, float, list[list[float]], float]] = deque()
+
+    def add(self, sent: float, begin: float, inputs: NDArray[np.float64], step: float) -> None:
+        """Record a plan that takes effect when it is sent.
+
+        Args:
+            sent: From when on it is flown in [s].
+            begin: When its first segment begins in [s], at or before ``sent``.
+            inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
+            step: Length of a segment in [s].
+        """
+        while self._plans and self._plans[-1][0] > sent:
+            self._plans.pop()  # never flown: a clock that stood ahead has gone back
+        self._plans.append((sent, begin, inputs.tolist(), step))
+        while len(self._plans) > 1 and self._plans[1][0] <= sent - self.memory:
+            self._plans.popleft()
+
+    def demanded(self, time: float, axis: int) -> float:
+        """Input demanded at a time by what has been sent so far.
+
+        The last segment of a plan is held; before the first command nothing is demanded.
+
+        Args:
+            time: Past or future, in [s].
+            axis: 0 for u_psi, 1 for u_chi, 2 for u_v.
+
+        Returns:
+            In [rad/s] or [m/s^2].
+        """
+        for sent, begin, inputs, step in reversed(self._plans):
+            if sent <= time:
+                return inputs[min(int((time - begin) / step), len(inputs) - 1)][axis]
+        return 0.0
 
 
 class Navigator:
@@ -99,8 +147,7 @@ class Navigator:
         self._step = NativeFunction(step_function(self._model))
         self.air.holds_altitude = self._model.commanded == 1
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
-        self._times = np.zeros(parameters.horizon + 2)
-        self._outlook = Outlook(len(self._times))
+        self._outlook = NativeFunction(outlook(len(self._stages) + 1))
         self.change(parameters)
         self.reset()
 
@@ -137,7 +184,7 @@ class Navigator:
     def begin_anew(self) -> None:
         """Forget an aircraft that is elsewhere, with what is known of the air, and its commands."""
         self.air.begin_anew()
-        self._history.reset()
+        self._history = CommandHistory(self._history.memory)
         self.air_estimate.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
@@ -226,7 +273,7 @@ class Navigator:
         self.claimed = engaged
         if engaged != self.engaged:
             self.engaged = engaged
-            self._history.reset()
+            self._history = CommandHistory(self._history.memory)
 
     def begin(self, delay: float) -> None:
         """Count with a latency at once: an average of nothing would take seconds to get there.
@@ -262,18 +309,36 @@ class Navigator:
         time, self.airspeed = measurement.stamp, float(vehicle[5])
         delay = max(self._dead_time) + min(max(self.latency, 0.0), self._latest)
         track = self.target.track
-        motion, ground = track.state.reshape(-1), float(track.state[0, 2])
-        turning = track.variance(2), track.turn_rate, *self.target.bridge(time)
+        travelled, left = track.bridge(time - track.time)
+        ground = float(track.state[0, 2])
         self._below = ground - float(measurement.position[2])
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
         self._time = time
-        self._follow_acceleration(time, elapsed)
+        if elapsed > 0.0:  # acceleration flown: the commands, after dead time and lag
+            sent = time - 0.5 * elapsed - self._dead_time[ACCELERATION]
+            lacks = self._history.demanded(sent, ACCELERATION) - self._acceleration
+            self._acceleration += followed(elapsed, self._lag) * lacks
         air = self._aircraft_in_air(measurement, vehicle, ground)
-        self._go_astray(elapsed)
-        np.add(self._stages, delay, out=self._times[1:])
-        blowing = air.wind, air.trend, air.gust, air.times
-        faded = self._fading(time).reshape(-1)
-        ahead = self._outlook(motion, turning, faded, blowing, self._times)
+        states = self.air_estimate.health.states
+        pace = ASTRAY if states[VELOCITY] == USED else BY_WIND
+        self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace
+        known, times = self._outlook.arguments
+        KNOWN.fill(
+            known,
+            motion=track.state.reshape(-1),
+            variance=track.variance(2),
+            turn_rate=track.turn_rate,
+            travelled=travelled,
+            left=left,
+            faded=self._fading(time).reshape(-1),
+            wind=air.wind,
+            trend=air.trend,
+            gust=air.gust,
+            times=air.times,
+        )
+        times[1:] = self._stages + delay  # and now
+        self._outlook.evaluate()
+        ahead = self._outlook.results[0].reshape(-1, 3, 3).swapaxes(0, 1).copy()
         target, drift, drift_rate = ahead[:, 0]
         present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
         self.wind = air.wind + air.gust
@@ -290,8 +355,9 @@ class Navigator:
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
             air = self.air
-            told = air.missing, air.nose, air.stuck, air.by_turn
-            found = self.air_estimate.update(measurement, vehicle, rates, ground, *told)
+            found = self.air_estimate.update(
+                measurement, vehicle, rates, ground, air.missing, air.nose, air.stuck, air.by_turn
+            )
             states = self.air_estimate.health.states
             if air.impossible:
                 states[AIRSPEED] = OFF
@@ -307,30 +373,14 @@ class Navigator:
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast
     ) -> Situation:
-        """Situation when a command sent now takes effect."""
-        state = self._flown_through(time, delay, present)
-        x, y, z, heading, path_angle, airspeed, *rates = state.tolist()
-        target = forecast.target[0]
-        east, north, up = target.tolist()
-        turns = [math.remainder(angle, 2.0 * math.pi) for angle in (heading, path_angle)]
-        return Situation(
-            vehicle=np.array([x + east, y + north, z + up, *turns, airspeed]),
-            target=target,
-            drift=forecast.drift[0],
-            drift_rate=forecast.drift_rate[0],
-            rates=np.array(rates[:3]),
-        )
-
-    def _flown_through(self, time: float, delay: float, present: Situation) -> NDArray[np.float64]:
-        """State relative to the target after the delay, by the commands already under way."""
-        model, step = self._model, self._step
+        """Situation when a command sent now takes effect, by the commands already under way."""
+        model, step, demanded = self._model, self._step, self._history.demanded
         count = max(1, math.ceil(delay / LONGEST_SUBSTEP - ROUNDING))
         substep = delay / count
         state, inputs, numbers, drift, rate, duration = step.arguments
         state[:] = model.initial(present.vehicle, present.target, present.rates)
         numbers[:] = model.numbers(substep)
         drift[:], rate[:], duration[0] = present.drift, present.drift_rate, substep
-        change, demanded = substep * rate, self._history.demanded
         for index in range(count):
             middle = time + (index + 0.5) * substep
             inputs[:] = [
@@ -338,20 +388,10 @@ class Navigator:
             ]
             step.evaluate()
             state[:] = step.results[0]
-            drift += change
-        return state
-
-    def _follow_acceleration(self, time: float, elapsed: float) -> None:
-        """Acceleration flown at a time: the commands, after dead time and lag."""
-        if not elapsed > 0.0:
-            return
-        dead_time = self._dead_time[ACCELERATION]
-        demanded = self._history.demanded(time - 0.5 * elapsed - dead_time, ACCELERATION)
-        share = followed(elapsed, self._lag)
-        self._acceleration += share * (demanded - self._acceleration)
-
-    def _go_astray(self, elapsed: float) -> None:
-        """By how much the position that is told may be wrong after some time without one."""
-        states = self.air_estimate.health.states
-        pace = ASTRAY if states[VELOCITY] == USED else BY_WIND
-        self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace
+            drift += substep * rate
+        vehicle, target = state[:6].copy(), forecast.target[0]
+        vehicle[:3] += target
+        vehicle[3:5] = [math.remainder(angle, math.tau) for angle in vehicle[3:5].tolist()]
+        return Situation(
+            vehicle, target, forecast.drift[0], forecast.drift_rate[0], state[6:9].copy()
+        )

@@ -14,7 +14,7 @@
 
 r"""Lag, dead time and gain of each channel, from commands as they were sent and what was measured.
 
-For each lag and dead time of a grid (:mod:`response_candidates`) the least-lags gain g between
+For each lag and dead time of a grid (:class:`ResponseCandidates`) the least-squares gain g between
 the candidate's response x and the measured one y is known at any time from three sums, which
 forget exponentially:
 
@@ -32,21 +32,26 @@ frequencies.
 
 from __future__ import annotations
 
-import functools
 import math
+from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import NamedTuple
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
-from uav_tracking_mpc.estimation.response_candidates import DEAD_TIMES, LAGS, ResponseCandidates
-from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.symbolic.layout import Layout
-from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
 CHANNELS = ("turn rate", "path-angle rate", "acceleration")
+LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0])  # s
+DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 1.55, 0.1)])  # s
+ACCELERATION = 2  # channel of u_v; its integral, the airspeed, is what is measured
+_RATES = 1.0 / np.maximum(LAGS, 1e-4)  # 1/s
+# Of each piece between two changes of the inputs: what is held in it, and at its beginning the rate
+# by each lag, channel by channel, and the airspeed gained.
+PIECE = Layout(held=3, rates=3 * len(LAGS), gained=len(LAGS))
+
 # The sum of lag and dead time, or the lag alone, is trusted below the first deviation and until the
 # second: what it is off by adds to the phase. The gain likewise.
 DELAY_TRUST = (0.05, 0.1)  # s
@@ -68,13 +73,8 @@ SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
 # s, s, -: what the parabolas are off by between the points of the grid, of lag, sum and gain
 ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
-EVERY = range(3)  # channels
 REFINED_EVERY = 8  # measurements between refinements, one channel each
-GRID = len(DEAD_TIMES) * len(LAGS)  # candidates of each channel
-_APART = np.diff(DEAD_TIMES)  # s
-# Of each: what the high pass lets through; sums of x x, of x y, and of x with that of the next dead
-# time.
-SUMS = Layout(passed=3 * GRID, power=3 * GRID, product=3 * GRID, following=3 * (GRID - len(LAGS)))
+CANDIDATES = 3, len(DEAD_TIMES), len(LAGS)  # shape of what is known of each
 
 
 class ChannelResponse(NamedTuple):
@@ -126,6 +126,85 @@ class ChannelResponse(NamedTuple):
         )
 
 
+class ResponseCandidates:
+    r"""What the aircraft would have flown to the commands sent, for each lag and dead time.
+
+    A channel with lag tau and dead time D follows the command u as
+    :math:`\tau \dot\omega(t) = u(t - D) - \omega(t)`: it is the channel without dead time, D later.
+    So one filter a lag is enough. Commands are held between the times at which they change, where
+    the filter's solution is closed: every dead time is met exactly, also between two samples.
+
+    Args:
+        time: When it begins, in a steady flight, in [s].
+        inputs: (u_psi, u_chi, u_v) flown since long ago.
+
+    Attributes:
+        end: When the last command that is known ends in [s].
+    """
+
+    def __init__(self, time: float = 0.0, inputs: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        # Pieces by the times at which the inputs changed
+        rates = np.repeat(inputs, len(LAGS))
+        self._times = np.array([time])
+        self._pieces = np.concatenate([inputs, rates, np.zeros(len(LAGS))])[np.newaxis]
+        # When it was sent and begins, its inputs and its step: segments from before are none
+        self._plan, self.end = (time, time, np.array([inputs]), 1.0), time
+
+    def commanded(
+        self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
+    ) -> None:
+        """Record a plan: see :meth:`CommandHistory.add`.
+
+        Args:
+            sent: From when on it is flown in [s].
+            begin: When its first segment begins in [s], at or before ``sent``.
+            inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
+            step: Length of a segment in [s].
+        """
+        self._follow_plan(sent)
+        self._plan, self.end = (sent, begin, inputs, step), begin + step * len(inputs)
+        segment = min(max(int((sent - begin) / step), 0), len(inputs) - 1)
+        self._change(max(sent, float(self._times[-1])), inputs[segment])
+
+    def at(self, time: float) -> NDArray[np.float64]:
+        """Responses at a time: turn rate, path-angle rate, and the airspeed that was gained.
+
+        Args:
+            time: In [s], not long before the last command.
+
+        Returns:
+            Shape (3, dead times, lags), in [rad/s], [rad/s], [m/s].
+        """
+        self._follow_plan(time)
+        times = time - DEAD_TIMES
+        which = np.maximum(self._times.searchsorted(times, side="right") - 1, 0)
+        since = np.maximum(times - self._times[which], 0.0)
+        responses, gained = _flown(PIECE.parts(self._pieces[which].T), since)
+        responses[ACCELERATION] = gained
+        return responses.swapaxes(1, 2)
+
+    def _follow_plan(self, time: float) -> None:
+        """The present plan's segments up to a time, which is past the last change."""
+        sent, begin, inputs, step = self._plan
+        last = max(float(self._times[-1]), sent)
+        for segment in range(1, len(inputs)):
+            if last < begin + segment * step <= time:
+                self._change(begin + segment * step, inputs[segment])
+
+    def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
+        """Other inputs are flown from a time on, not before the last change."""
+        piece = PIECE.parts(self._pieces[-1])
+        if (piece.held == inputs).all():
+            return
+        rates, gained = _flown(piece, time - self._times[-1])
+        after = np.concatenate([inputs, rates.ravel(), gained])
+        # Measurements may be older than the command.
+        old = self._times.searchsorted(time - 2.0 * DEAD_TIMES[-1], side="right") - 1
+        recent = slice(max(int(old), 0), None)
+        self._times = np.append(self._times[recent], time)
+        self._pieces = np.vstack([self._pieces[recent], after])
+
+
 class ResponseEstimator:
     """Commands and measurements in, :class:`ChannelResponse` of three channels out.
 
@@ -137,22 +216,13 @@ class ResponseEstimator:
         channels: Estimates of turn rate, path-angle rate and acceleration.
     """
 
-    @one_at_a_time
     def __init__(self, commanded: int = 3) -> None:
         self._followed = np.arange(3) < commanded
         self._candidates = ResponseCandidates()
-        self._memory, self._before = np.zeros(SUMS.size), np.zeros(3 * GRID)
-        sums = vars(SUMS.parts(self._memory)).values()
-        self._passed, self._power, self._product, self._next = (
-            part.reshape(3, -1) for part in sums
-        )
-        known = [self._memory, self._before, self._candidates.responses]
-        self._added = NativeFunction(_added(), known)
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all: another aircraft."""
-        self._memory[:] = self._before[:] = 0.0
+        # Of each candidate: the response, what the high pass lets through of it, sums of x x and
+        # x y; and of x with that of the next dead time.
+        self._before, self._passed, self._power, self._product = np.zeros((4, *CANDIDATES))
+        self._following = np.zeros((3, len(DEAD_TIMES) - 1, len(LAGS)))
         # Of each channel: sums of 1, y y, products of successive residuals, and their squares.
         self._sums = np.zeros((4, 3))
         self._residual = self._measured_passed = np.zeros(3)
@@ -215,7 +285,7 @@ class ResponseEstimator:
             self.interrupt()
         self._time, self._turn_rate_max = time, turn_rate_max
         if not self._commanded:  # nobody knows what is flown: as if it had been for long
-            self._candidates.reset(time, np.array([turn_rate, path_angle_rate, 0.0]))
+            self._candidates = ResponseCandidates(time, (turn_rate, path_angle_rate, 0.0))
             self._candidates.end, self._begun = math.inf, time
             return
         if abs(turn_rate) >= SATURATION * turn_rate_max:
@@ -236,25 +306,25 @@ class ResponseEstimator:
         kept, forgotten = math.exp(-elapsed / WASHOUT), math.exp(-elapsed / MEMORY)
         y = kept * (self._measured_passed + weights * (measured - self._measured))
         self._measured_passed, self._measured, self._used = y, measured, usable
-        self._candidates.at(time)  # into the responses
-        _, _, responses, told = self._added.arguments
-        told[:] = [*weights, *y, kept, forgotten]
-        self._added.evaluate()
-        self._memory[:], self._before[:] = self._added.results[0], responses
-        residual = weights * (y - self._gains * self._passed[EVERY, self._nearest])
+        responses, weight = self._candidates.at(time), weights[:, np.newaxis, np.newaxis]
+        passed = kept * (self._passed + weight * (responses - self._before))
+        self._before, self._passed = responses, passed
+        self._power = forgotten * self._power + weight * passed**2
+        self._product = forgotten * self._product + passed * (weights * y)[:, None, None]
+        successive = weight * passed[:, :-1] * passed[:, 1:]
+        self._following = forgotten * self._following + successive
+        nearest = passed.reshape(3, -1)[range(3), self._nearest]
+        residual = weights * (y - self._gains * nearest)
         new = weights, weights * (y * y), residual * self._residual, residual * residual
         self._sums, self._residual = forgotten * self._sums + new, residual
 
     def _refined(self, axis: int) -> ChannelResponse:
         """Minimum of J and its curvature."""
-        columns = (-1, len(LAGS))
-        power = self._power[axis].reshape(columns)
-        product = self._product[axis].reshape(columns)
+        power, following = self._power[axis], self._following[axis]
         weight, squared_response, successive, squared = self._sums[:, axis].tolist()
         if not np.any(power > 0.0):
             return ChannelResponse()
-        following = self._next[axis].reshape(columns)
-        dead_times, gains, explained, bends = _between(power, product, following)
+        dead_times, gains, explained, bends = _between(power, self._product[axis], following)
         valley = squared_response - explained
         # Along the valley, over the lag.
         best = min(max(int(np.argmin(valley)), 1), len(LAGS) - 2)
@@ -289,31 +359,21 @@ class ResponseEstimator:
         )
 
 
-@functools.cache
-def _added() -> ca.Function:
-    """Sums after a sample: of those before, the responses before and now, and numbers.
+def _flown(
+    piece: SimpleNamespace, since: float | NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rates by each lag, shape (3, lags, ...), and airspeed gained, shape (lags, ...), in a piece.
 
-    Responses are in [rad/s, rad/s, m/s]. The numbers are the weight of the sample [-] and y after
-    the high pass, in the same units, of each channel; and which share the high pass keeps and which
-    is not forgotten [-].
+    Args:
+        piece: By :data:`PIECE`, of one or of several.
+        since: For how long it has lasted in [s], of each.
     """
-    memory, known = SUMS.symbol("memory")
-    before, responses = ca.SX.sym("before", 3 * GRID), ca.SX.sym("responses", 3 * GRID)
-    told = ca.SX.sym("told", 8)
-    kept, forgotten = told[6], told[7]
-    every = np.repeat(EVERY, GRID).tolist()
-    weights, y = told[every], told[[3 + axis for axis in every]]
-    passed = kept * (known.passed + weights * (responses - before))
-    axes = [passed[axis * GRID : (axis + 1) * GRID] for axis in EVERY]
-    successive = ca.vertcat(*[each[: -len(LAGS)] * each[len(LAGS) :] for each in axes])
-    of_next = told[np.repeat(EVERY, GRID - len(LAGS)).tolist()]
-    after = ca.vertcat(
-        passed,
-        forgotten * known.power + weights * passed**2,
-        forgotten * known.product + passed * (weights * y),
-        forgotten * known.following + of_next * successive,
-    )
-    return ca.Function("response_sums", [memory, before, responses, told], [after])
+    held = piece.held[:, np.newaxis]
+    begun = piece.rates.reshape(3, len(LAGS), *np.shape(since))
+    rates = held + (begun - held) * np.exp(np.multiply.outer(-_RATES, since))
+    # The integral of what is lacking is tau times the part that has decayed.
+    decayed = (begun - rates)[ACCELERATION].T / _RATES
+    return rates, piece.gained + held[ACCELERATION] * since + decayed.T
 
 
 def _between(
@@ -344,7 +404,7 @@ def _between(
     gain = np.clip(mixed / np.maximum(mixed_power, 1e-300), *GAIN_LIMITS)
     explained = gain * (2.0 * mixed - gain * mixed_power)
     best = explained.argmax(axis=0), np.arange(power.shape[1])
-    apart_in_time = _APART[best[0]]
+    apart_in_time = np.diff(DEAD_TIMES)[best[0]]
     return (
         DEAD_TIMES[best[0]] + share[best] * apart_in_time,
         gain[best],

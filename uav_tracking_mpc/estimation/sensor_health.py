@@ -56,11 +56,6 @@ class SensorHealth:
         self.states = dict.fromkeys(INSTEAD, USED)
         self._told = dict(self.states)
 
-    def reset(self) -> None:
-        """Use all of them; what has changed by that is not told."""
-        self.states.update(dict.fromkeys(self.states, USED))
-        self._told.update(self.states)
-
     def news(self) -> Iterator[str]:
         """What has become of the sensors since it was asked last, in words."""
         alone = self.states[AIRSPEED] != USED

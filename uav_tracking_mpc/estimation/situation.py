@@ -12,18 +12,43 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a guidance law needs to know: aircraft, target, the drift between them; and a forecast."""
+r"""What a guidance law needs to know: aircraft, target, the drift between them; and a forecast.
+
+In a forecast the target goes on turning (:mod:`~uav_tracking_mpc.estimation.target_track`); what
+its newest measurement has changed fades in. The mean wind stays, the gust of now fades with its
+correlation time T: at a time t from now, with wind w, gust g, the target's velocity v and
+acceleration a,
+
+.. math:: c = w + e^{-t / T} g - v, \qquad c' = -e^{-t / T} g / T - a.
+"""
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.dynamics.vehicle import air_velocity, velocity
+from uav_tracking_mpc.dynamics.vehicle import velocity
+from uav_tracking_mpc.estimation.target_track import REWIND, TURN
+from uav_tracking_mpc.symbolic.layout import Layout
+
+# s: a measurement corrects the target's track by steps. They are faded in with this time constant,
+# or those of a noisy track would go straight into the bank angle.
+FADE_TIME = 1.0
+# What a forecast is made from. Of the target's track (p, v, a) [m, m/s, m/s^2], the variance of
+# that acceleration [m^2/s^4], the turn rate [rad/s], since the track's time the time travelled [s]
+# and the share of the velocity that is left [-] (:func:`bridged`), what is not yet corrected of
+# position [m] and velocity [m/s]; mean wind [m/s], its trend [m/s^2], gust [m/s] and how long gusts
+# last on each axis [s].
+KNOWN = Layout(
+    motion=9, variance=1, turn_rate=1, travelled=1, left=1, faded=6,
+    wind=3, trend=3, gust=3, times=3,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -76,10 +101,7 @@ class Situation:
     @property
     def relative_velocity(self) -> NDArray[np.float64]:
         """Rate of :attr:`offset`: air velocity plus drift, shape (3,), in [m/s]."""
-        *_, heading, path_angle, airspeed = self.vehicle.tolist()
-        east, north, up = self.drift.tolist()
-        x, y, z = air_velocity(heading, path_angle, airspeed, np)  # also of what is not finite
-        return np.array([x + east, y + north, z + up])
+        return self.air_velocity + self.drift
 
     def tracking_error(self, orbit: Orbit) -> NDArray[np.float64]:
         """Tracking error of the relative motion (Section 3.1), shape (5,), angles wrapped.
@@ -129,3 +151,28 @@ def steady_forecast(situation: Situation, stages: int) -> Forecast:
     return Forecast(
         np.tile(situation.target, ahead), np.tile(situation.drift, ahead), np.zeros((stages + 1, 3))
     )
+
+
+@functools.cache
+def outlook(count: int) -> ca.Function:
+    """Position of the target in ``map`` [m], c [m/s] and c' [m/s^2], at several times.
+
+    Of what is known by :data:`KNOWN`, and the times from now on [s], shape (n,); the result has a
+    column each, shape (9, n). To derive it takes fifty milliseconds.
+
+    Args:
+        count: n, how many times.
+    """
+    known, told = KNOWN.symbol("known")
+    times = ca.SX.sym("times", count)
+    columns = []
+    for time in ca.vertsplit(times):
+        lead = ca.fmax(told.travelled + told.left * time, -REWIND)
+        ahead = TURN(told.motion, told.variance, told.turn_rate, lead)
+        position, velocity, acceleration = ca.vertsplit(ahead, 3)
+        fades = ca.exp(-time / FADE_TIME) * told.faded
+        blowing = ca.exp(-time / told.times) * told.gust
+        drift = told.wind + time * told.trend + blowing - told.left * velocity - fades[3:]
+        drift_rate = told.trend - blowing / told.times - told.left**2 * acceleration
+        columns.append(ca.densify(ca.vertcat(position + fades[:3], drift, drift_rate)))
+    return ca.Function("outlook", [known, times], [ca.horzcat(*columns)], {"cse": True})

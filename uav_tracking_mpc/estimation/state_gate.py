@@ -59,17 +59,12 @@ class StateGate:
 
     def __init__(self, timeout: float) -> None:
         self.timeout = timeout
-        self.reset()
-
-    def reset(self) -> None:
-        """Believe the next measurement, whatever it is."""
         self.newest: Measurement | None = None
         self._stood = np.zeros(3)  # m, flown by the ground velocity while the position repeated
         self._arrived = self._moved = math.nan  # when it last moved: [s] of the stamps
         self._ages: deque[float] = deque(maxlen=AGES)  # at their arrival in [s]
         self.lost = False
-        self._outlier: Measurement | None = None
-        self._agreeing = 0
+        self._outliers: list[Measurement] = []  # in a row, each consistent with the one before
         self.reason = ""
 
     def check_target(
@@ -132,9 +127,11 @@ class StateGate:
             self.reason = f"the position jumped by {jump:.6g} m in {step:.3f} s"
         else:
             self.reason = f"the stamp went ahead by {step:.3f} s"
-        self._agreeing = self._agreeing + 1 if self._agrees(measurement) else 1
-        self._outlier = measurement
-        if self._agreeing < AGREEING:
+        last = self._outliers[-1] if self._outliers else measurement
+        later, apart = _change(last, measurement)
+        agrees = 0.0 < later <= self.timeout and apart <= _explained(measurement, later)
+        self._outliers = [*self._outliers, measurement] if agrees else [measurement]
+        if len(self._outliers) < AGREEING:
             return Verdict.DOUBT
         # After a gap the flight goes on; time gone back and a vehicle elsewhere are a new beginning
         verdict = Verdict.RESTART if step < 0.0 or moved else Verdict.USE
@@ -156,23 +153,16 @@ class StateGate:
     def _believe(
         self, measurement: Measurement, arrival: float, now: float, verdict: Verdict
     ) -> Verdict:
-        before, self.newest, self._outlier, self._agreeing = self.newest, measurement, None, 0
+        before, self.newest, self._outliers = self.newest, measurement, []
         if before is not None and not _repeats(before, measurement):
             self._moved = measurement.stamp
-        if before is not None and _same(before.position, measurement.position):
+        if before is not None and before.position.tolist() == measurement.position.tolist():
             self._stood += (measurement.stamp - before.stamp) * measurement.ground_velocity
         else:
             self._stood[:] = 0.0
         self._arrived, self.lost = arrival, False
         self._ages.append(now - measurement.stamp)
         return verdict
-
-    def _agrees(self, measurement: Measurement) -> bool:
-        """Whether a measurement is consistent with the outlier before it."""
-        if self._outlier is None:
-            return False
-        step, jump = _change(self._outlier, measurement)
-        return 0.0 < step <= self.timeout and jump <= _explained(measurement, step)
 
 
 def _change(
@@ -185,26 +175,19 @@ def _change(
     distance counts.
     """
     step = after.stamp - before.stamp
-    if _same(before.position, after.position) or not (before.placed and after.placed):
-        return step, 0.0
     apart = after.position - before.position
+    if not apart.any() or not (before.placed and after.placed):
+        return step, 0.0
     return step, min(math.hypot(*apart.tolist()), math.hypot(*(apart - flown).tolist()))
 
 
 def _repeats(before: Measurement, after: Measurement) -> bool:
     """Whether nothing has changed but the stamp, though the aircraft moves: nobody measures."""
-    return (
-        before.heading == after.heading
-        and before.path_angle == after.path_angle
-        and _same(before.position, after.position)
-        and _same(before.ground_velocity, after.ground_velocity)
-        and any(after.ground_velocity.tolist())
+    told, again = (
+        (each.heading, each.path_angle, each.position.tolist(), each.ground_velocity.tolist())
+        for each in (before, after)
     )
-
-
-def _same(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-    """Whether two vectors are equal; of so few numbers lists tell it sooner than arrays."""
-    return bool(one.tolist() == other.tolist())
+    return told == again and any(after.ground_velocity.tolist())
 
 
 def _explained(measurement: Measurement, step: float) -> float:

@@ -14,9 +14,9 @@
 
 """Where the target is and will be, from measured positions that may be wrong, late or missing.
 
-How noisy the positions are and how hard the target accelerates is found from the positions
-themselves (:mod:`~uav_tracking_mpc.estimation.measurement_noise`,
-:mod:`~uav_tracking_mpc.estimation.target_track`); what is told is only where both begin.
+How noisy the positions are (:class:`MeasurementNoise`) and how hard the target accelerates
+(:mod:`~uav_tracking_mpc.estimation.target_track`) is found from the positions themselves; what is
+told is only where both begin.
 
 A position that the track can hardly explain is left out. Should the next ones be left out too and
 agree with each other, then the target has jumped and the track starts anew from them. The noise is
@@ -28,22 +28,44 @@ are seen to differ much.
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError, vector
-from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
+from uav_tracking_mpc.estimation.motion_check import RETURN
 from uav_tracking_mpc.estimation.state_gate import AGREEING, REPEATING
-from uav_tracking_mpc.estimation.target_motion import REWIND, TURN, bridged
-from uav_tracking_mpc.estimation.target_track import LEVEL, Motion, TargetTrack, track_step
+from uav_tracking_mpc.estimation.target_track import (
+    FORGOTTEN,
+    LEVEL,
+    MANOEUVRE_TIME,
+    REWIND,
+    TURN,
+    TargetTrack,
+    track_step,
+)
 from uav_tracking_mpc.symbolic.native_code import NativeFunction, machine_code
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
 RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be fast, not noisy
-FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
+
+# How noisy the positions are
+WINDOW = 240  # second differences that count
+NEWEST = 24  # of them, which notice that the noise has changed
+CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but once in a thousand
+COMPARED = 96  # of them, by which axes are compared: noise of a camera turns with where it looks
+KNOWN = 3  # second differences after which the noise is known, with what is told
+RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
+QUANTILE = 0.4  # -, that is compared: with 20 % outliers half of the differences are wrong
+CHI_SQUARE = 1.8691684  # -, that quantile, of 3 degrees of freedom
+CHI_SQUARE_AXIS = 0.2749959  # -, the same of 1
+# -: greatest variance over the least, from which on axes have shares of their own (by chance once
+# in a thousand); and the least share, that of an axis without noise
+UNEVEN, SHARE_MIN = 4.0, 1e-6
+SCALE_MIN = 1e-12  # -, least factor on a variance that is believed, and 1 over the greatest
 
 
 class TargetFilter:
@@ -143,14 +165,18 @@ class TargetFilter:
         variances = self._variances(time, measured, told)
         doubted = told is None and not self._scaling.known
         seen = time, measured, variances, GATE, motion, doubted
+
+        def begun(speed: float) -> TargetTrack:
+            return TargetTrack(time, measured, variances, self._agility, speed, motion, GATE)
+
         if self._track is None or time - self._track.time > FORGOTTEN:
-            self._track, self._rival = self._begun(*seen[:3], motion, self._speed), None
+            self._track, self._rival = begun(self._speed), None
             return True
         if self._track.update(*seen):
             self._rival = None
             return True
         if self._rival is None or not self._rival.update(*seen):
-            self._rival = self._begun(*seen[:3], motion, RIVAL_SPEED * self._speed)
+            self._rival = begun(RIVAL_SPEED * self._speed)
         elif self._rival.count == AGREEING:
             self._track, self._rival = self._rival, None
             self.jumps += 1
@@ -175,41 +201,14 @@ class TargetFilter:
         """
         own = self._own or self._told if told is None else 0.0
         if own != self._own:  # covariances come from now on, or no longer
-            self._scaling.reset()
+            self._scaling = MeasurementNoise()
             self._own = own
         begun = np.full(3, own**2) if told is None else told
         self._scaling.see(time, position, begun)
-        scales = self._scaling.scales
-        scaled = begun * (scales if told is None else np.maximum(scales, 1.0))
-        variances = np.maximum(scaled, NOISE_MIN**2)
+        least = 0.0 if told is None else 1.0
+        variances = np.maximum(begun * np.maximum(self._scaling.scales, least), NOISE_MIN**2)
         self.noise = math.sqrt(max(variances[LEVEL].tolist()))
         return variances
-
-    def _begun(
-        self,
-        time: float,
-        position: NDArray[np.float64],
-        variances: NDArray[np.float64],
-        motion: Motion | None,
-        speed: float,
-    ) -> TargetTrack:
-        """A track of one measurement."""
-        track = TargetTrack(time, position, variances, self._agility, speed)
-        if motion is not None:
-            track.see_velocity(*motion, GATE)
-        return track
-
-    def position_std(self, time: float) -> float:
-        """Standard deviation of the position on the worse level axis in [m].
-
-        Args:
-            time: When, in [s]; before the newest position that of the newest one stands in.
-
-        Raises:
-            ValueError: Nothing has been measured yet.
-        """
-        track = self.track
-        return track.position_std(min(max(time - track.time, 0.0), FORGOTTEN))
 
     def motion(self, time: float) -> NDArray[np.float64]:
         """Position [m], velocity [m/s], acceleration [m/s^2], in ``map``, rows of shape (3, 3).
@@ -221,24 +220,13 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        track, (travelled, left) = self.track, self.bridge(time)
+        track = self.track
+        travelled, left = track.bridge(time - track.time)
         motion, variance, turn_rate, lead = self._turn.arguments
         motion[:], variance[0], turn_rate[0] = track.state.flat, track.variance(2), track.turn_rate
         lead[0] = max(travelled, -REWIND)
         self._turn.evaluate()
         return self._turn.results[0].reshape(3, 3) * [[1.0], [left], [left * left]]
-
-    def bridge(self, time: float) -> tuple[float, float]:
-        """See :func:`bridged`, from the time of the track on.
-
-        Args:
-            time: Now in [s].
-
-        Raises:
-            ValueError: Nothing has been measured yet.
-        """
-        track = self.track
-        return bridged(min(time - track.time, FORGOTTEN), track.held)
 
     @property
     def track(self) -> TargetTrack:
@@ -256,27 +244,116 @@ def _variances(
     covariance: ArrayLike | None,
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64]]:
     """Variances of position [m^2], None for the filter's own, and of velocity [m^2/s^2]."""
-    position, velocity = None, np.full(3, VELOCITY_NOISE**2)
-    if covariance is None:
-        return position, velocity
-    matrix = np.asarray(covariance, dtype=float)
+    matrix = np.zeros((6, 6)) if covariance is None else np.asarray(covariance, dtype=float)
     if matrix.shape not in ((3, 3), (6, 6)) or not np.isfinite(matrix).all():
         raise MeasurementError(
             f"covariance of the target has shape {matrix.shape}, must be (3, 3) or (6, 6) and "
             "finite"
         )
-    if matrix[:3, :3].any():
-        position = _of_axes(matrix[:3, :3])
-    if matrix[3:, 3:].any():
-        velocity = _of_axes(matrix[3:, 3:])
-    return position, velocity
+    position, velocity = _of_axes(matrix[:3, :3]), _of_axes(matrix[3:, 3:])
+    return position, np.full(3, VELOCITY_NOISE**2) if velocity is None else velocity
 
 
-def _of_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+def _of_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """Variances of the axes, which must not be negative; some trackers tell none of the height."""
+    if not covariance.any():
+        return None
     east, north, up = np.diagonal(covariance).tolist()
     if not min(east, north) >= 0.0:
         raise MeasurementError(
             f"covariance of the target is {covariance.tolist()}, must not be negative"
         )
     return np.maximum([east, north, up if up > 0.0 else max(east, north)], NOISE_MIN**2)
+
+
+class MeasurementNoise:
+    r"""How noisy measured positions are, from the positions alone.
+
+    The second difference of three positions z at intervals h_0 and h_1,
+
+    .. math:: d = z_2 - z_1 - \rho (z_1 - z_0), \quad \rho = h_1 / h_0
+
+    does not depend on where the target is and how fast. Its variance on an axis is R_2 + (1 +
+    rho)^2 R_1 + rho^2 R_0, and as long as the target hardly accelerates in h_0 + h_1 nothing else
+    is in it. With R = s R_told the factor s is a quantile of many squared second differences over
+    the variance that is told, divided by that of chi-square: turns on the spot, jumps and outliers
+    are rare and leave a quantile alone, and no filter that has lost the target misleads it.
+
+    Where the axes differ much, as the height and the distance of many trackers do from the rest,
+    each has a share of s of its own, from the same quantile of its own squares. That takes more of
+    them.
+
+    Many of them make the factor accurate, few of them make it quick: the last few hundred count as
+    long as the newest agree with them, and the newest alone where they do not, for the noise has
+    changed.
+
+    Attributes:
+        scales: The factor of each axis, 1 before anything is known, shape (3,), [-].
+        known: Whether enough has been measured for the factors to be more than a guess.
+    """
+
+    def __init__(self) -> None:
+        self._recent: deque[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = deque(
+            maxlen=2
+        )
+        # -: second differences by what is told on each axis, the first one of the usual size
+        self._differences = np.full((1, 3), math.sqrt(CHI_SQUARE / 3.0))
+        # -: variance of each axis over what is told, and the quantile of the sums that goes with it
+        self._shares, self._usual, self._count = np.ones(3), CHI_SQUARE, 0
+        self._uneven = False
+        self.scales, self.known = np.ones(3), False
+
+    def see(
+        self, time: float, position: NDArray[np.float64], variances: NDArray[np.float64]
+    ) -> None:
+        """Take in a position, whether or not a filter believes it.
+
+        Args:
+            time: When it was measured, after the one before, in [s].
+            position: Shape (3,), in [m].
+            variances: On each axis as they are told, shape (3,), in [m^2].
+        """
+        recent = self._recent
+        if len(recent) == 2:
+            (t0, z0, r0), (t1, z1, r1) = recent
+            if time - t0 <= MANOEUVRE_TIME and time - t1 <= RATIO_MAX * (t1 - t0):
+                ratio = (time - t1) / (t1 - t0)
+                difference = position - z1 - ratio * (z1 - z0)
+                told = variances + (1.0 + ratio) ** 2 * r1 + ratio * ratio * r0
+                self._add(difference / np.sqrt(told))
+        recent.append((time, position, variances))
+
+    def _add(self, difference: NDArray[np.float64]) -> None:
+        self._count += 1
+        self._differences = np.vstack([self._differences, difference])[-WINDOW:]
+        if self._count % NEWEST == 0 and len(self._differences) >= COMPARED:
+            self._compare_axes()
+        squares = (self._differences**2 / self._shares).sum(axis=1)
+        level, recent = _quantile(squares), _quantile(squares[-NEWEST:])
+        agree = level <= CHANGED * recent <= CHANGED**2 * level
+        if len(squares) >= 2 * NEWEST and not agree:
+            self._differences, level = self._differences[-NEWEST:], recent
+        self.scales = np.clip(level / self._usual * self._shares, SCALE_MIN, 1.0 / SCALE_MIN)
+        self.known = len(squares) >= KNOWN
+
+    def _compare_axes(self) -> None:
+        """Noise goes up and down in turn, as no way of a target does."""
+        axes = self._differences[-COMPARED:].T
+        own = np.array([_quantile(axis**2) for axis in axes]) / CHI_SQUARE_AXIS
+        noisiest = axes[own.argmax()]
+        uneven = own.max() > (RETURN if self._uneven else 1.0) * UNEVEN * own.min()
+        uneven = uneven and noisiest[:-1] @ noisiest[1:] < 0.0
+        if uneven or self._uneven:
+            self._differences, self._shares, self._usual = axes.T, np.ones(3), CHI_SQUARE
+        if uneven:
+            self._shares = np.maximum(own, max(SHARE_MIN * own.max(), SCALE_MIN))
+            self._usual = _quantile((axes.T**2 / self._shares).sum(axis=1))
+        self._uneven = bool(uneven)
+
+
+def _quantile(values: NDArray[np.float64]) -> float:
+    """As NumPy's, in a tenth of its time for so few values."""
+    ordered = sorted(values.tolist())
+    at = QUANTILE * (len(ordered) - 1)
+    share, low, high = at % 1.0, ordered[int(at)], ordered[math.ceil(at)]
+    return low + share * (high - low) if share < 0.5 else high - (1.0 - share) * (high - low)

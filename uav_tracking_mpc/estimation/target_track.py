@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-r"""Position, velocity and acceleration of one target by several models side by side.
+r"""How a target moves, and what is known of one: several models side by side, behind its positions.
 
 H. A. P. Blom, Y. Bar-Shalom, "The Interacting Multiple Model Algorithm for Systems with Markovian
 Switching Coefficients", IEEE Trans. Automatic Control 33(8), 1988. Kalman filters on Singer's model
@@ -35,6 +35,27 @@ Each axis has a noise and covariances of its own; what the axes have in common, 
 are apart, counts on each of them alike.
 
 A step of all modes is one compiled function.
+
+Singer's model is that of R. A. Singer, "Estimating Optimal Tracking Filter Performance for Manned
+Maneuvering Targets", IEEE Trans. Aerospace and Electronic Systems 6(4), 1970: on each axis p' = v,
+v' = a and
+
+.. math:: a' = -a / \tau + w, \quad E[w(t) w(s)] = (2 \sigma_a^2 / \tau)\, \delta(t - s)
+
+so that the acceleration has standard deviation sigma_a and is forgotten after tau.
+
+A prediction goes on turning: constant turn rate, fading change of speed. With the horizontal
+velocity as a complex number, u its direction, omega the turn rate and a_t the acceleration along u,
+
+.. math:: v(t) = u e^{i \omega t} (s + a_t \tau_v (1 - e^{-t/\tau_v}))
+
+which is integrated in closed form. a_t is weighted by how far it exceeds its uncertainty, and never
+reverses the target. The vertical velocity is held.
+
+Errors 5 and 10 s ahead, compared with those of a held velocity: on circles a quarter without noise
+at 10 Hz, and a few percent less with 3 m of noise at 5 Hz; on noisy straight runs 2 to 6 % more; in
+stop and go the same. Those of Singer's own model lie between without noise and are the largest with
+it.
 """
 
 from __future__ import annotations
@@ -49,30 +70,37 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.target_motion import (
-    BRIDGE_TIME,
-    STRAIGHT_TIME,
-    bridged,
-    singer_motion,
-)
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.symbolic.layout import Layout
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
-QUIET, TURN = 0, 3  # of the modes: quiet, gentle, hard, turn
+MANOEUVRE_TIME = 5.0  # s, tau: least prediction errors on circles, straight runs, stop and go
+# s without a position after which the velocity fades; of a target that has run straight on
+BRIDGE_TIME, STRAIGHT_TIME = 5.0, 30.0
+FADE_TIME = 10.0  # s, its time constant
+TERMS = 16  # of the series of exp(-x), x <= 1/2: exact to rounding
+TURN_RATE_MAX = 1.0  # rad/s
+SPEED_TIME = 2.0  # s, tau_v: vehicles change their speed for a few seconds
+REWIND = 1.0  # s before the newest position for which a track tells where the target was
+STRAIGHT = 1e-7  # rad/s: a slower turn cannot be told from a straight line
+
+# The models side by side
+QUIET, TURNING = 0, 3  # of the modes: quiet, gentle, hard, turn
 AGILITIES = np.array([1e-3, 0.1, 1.0, 1.0])  # m/s^2, sigma_a of each
 TURN_SPEED = 5.0  # m/s, least standard deviation on each axis by which a turn changes the velocity
 # 1/s: how often the mode of a row changes to that of a column. A turn is over at once.
 RATES = np.array(
     [[0.0, 3e-4, 3e-4, 3e-4], [0.05, 0.0, 0.05, 0.02], [0.0, 0.2, 0.0, 0.05], [0.0, 0.0, 1e3, 0.0]]
 )
-STRAIGHT = 0.9  # probability of the quiet mode above which a target that hides runs straight on
+RUNS_STRAIGHT = (
+    0.9  # probability of the quiet mode above which a target that hides runs straight on
+)
 QUIET_LEAST = 0.02  # probability of the quiet mode above which it is not mixed with the others
 PROBABILITY_MIN = 1e-12  # -, of a mode
 OUTLIER_WEIGHT = math.log(0.03)  # -, logarithm of the share of measurements that are outliers
 OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
 SECOND = 4.0  # -, factor on the gate of a track's second position: its velocity is not known yet
-ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
+FORGOTTEN = 300.0  # s without a position after which nothing is left of a track
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 # Velocity [m/s] and its variances on each axis [m^2/s^2], shape (3,) each.
 Motion = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -92,6 +120,88 @@ SEEN = Layout(
 )
 
 
+# 1/s: of p' = v, v' = a, a' = -a / tau, beside what drives them: the exponential of both times t
+# holds F and Q (C. F. Van Loan, IEEE Trans. Automatic Control 23(3), 1978). Coefficients of its
+# series in t: unlike the closed form, they cancel to nothing for no short time.
+_SINGER = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0 / MANOEUVRE_TIME]])
+_DRIVEN = np.block(
+    [[-_SINGER, np.diag([0.0, 0.0, 2.0 / MANOEUVRE_TIME])], [np.zeros((3, 3)), _SINGER.T]]
+)
+_SERIES = np.stack(
+    [np.linalg.matrix_power(_DRIVEN, k) / math.factorial(k) for k in range(TERMS)], axis=-1
+)
+
+
+def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Transition matrix and covariance of the noise of unit sigma_a.
+
+    Args:
+        duration: At least 0, in [s].
+
+    Returns:
+        F and Q, shape (3, 3) each.
+    """
+    if duration > 0.5 * MANOEUVRE_TIME:
+        half, noise = singer_motion(duration / 2.0)
+        return half @ half, half @ noise @ half.T + noise
+    exponential = _SERIES @ duration ** np.arange(TERMS)
+    transition = exponential[3:, 3:].T
+    return transition, transition @ exponential[:3, 3:]
+
+
+def bridged(age: float, held: float = BRIDGE_TIME) -> tuple[float, float]:
+    """Time travelled at the velocity last known, and the share of it that is left.
+
+    A target that is lost is taken to run on for a while and then to slow down, so that no
+    position runs away.
+
+    Args:
+        age: Of the newest measurement in [s].
+        held: Time for which it is taken to run on in [s].
+
+    Returns:
+        Time in [s], and the share, from 0 to 1.
+    """
+    left = math.exp(-max(age - held, 0.0) / FADE_TIME)
+    return min(age, held) + FADE_TIME * (1.0 - left), left
+
+
+def _turn() -> ca.Function:
+    """Position, velocity and acceleration a time ahead of now, shape (9,).
+
+    Of position, velocity, acceleration now, shape (9,), the variance of the acceleration on each
+    axis [m^2/s^4], omega [rad/s] and the time [s].
+    """
+    motion, variance = ca.SX.sym("motion", 9), ca.SX.sym("variance")
+    turn_rate, lead = ca.SX.sym("turn_rate"), ca.SX.sym("lead")
+    position, velocity, acceleration = motion[:3], motion[3:6], motion[6:]
+    speed = ca.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
+    u_x = ca.if_else(speed > 0.0, velocity[0] / speed, 1.0)
+    u_y = ca.if_else(speed > 0.0, velocity[1] / speed, 0.0)
+    rate = ca.fmin(ca.fmax(turn_rate, -TURN_RATE_MAX), TURN_RATE_MAX)
+    rate = ca.if_else(rate < 0.0, ca.fmin(rate, -STRAIGHT), ca.fmax(rate, STRAIGHT))
+    along = acceleration[0] * u_x + acceleration[1] * u_y
+    along *= along * along / (along * along + variance)
+    # Speed gained after a long time; braking ends at rest.
+    gained = ca.fmax(along * SPEED_TIME, -speed)
+    # v = u (lasting e^(turn t) - gained e^(fade t)), turn = i omega and fade = i omega - 1 / tau_v.
+    lasting, decay = speed + gained, ca.exp(-lead / SPEED_TIME)
+    cosine, sine = ca.cos(rate * lead), ca.sin(rate * lead)
+    # Its integral along u and across it; that of the second term is over fade.
+    real, imaginary = decay * cosine - 1.0, decay * sine
+    size = rate**2 + 1.0 / SPEED_TIME**2
+    ahead = lasting * sine / rate - gained * (rate * imaginary - real / SPEED_TIME) / size
+    left = lasting * (1.0 - cosine) / rate + gained * (rate * real + imaginary / SPEED_TIME) / size
+    level = u_x * ahead - u_y * left, u_y * ahead + u_x * left
+    position += ca.vertcat(*level, velocity[2] * lead)
+    velocity = ca.jacobian(position, lead)
+    after = ca.vertcat(position, velocity, ca.jacobian(velocity, lead))
+    return ca.Function("turn", [motion, variance, turn_rate, lead], [ca.densify(after)])
+
+
+TURN = _turn()
+
+
 class TargetTrack:
     """A target that has been seen at least once.
 
@@ -101,6 +211,8 @@ class TargetTrack:
         variances: Of that position on each axis, shape (3,), in [m^2].
         agility: Standard deviation of the acceleration with which the modes begin in [m/s^2].
         speed: Standard deviation of the velocity before it is known in [m/s].
+        motion: See :meth:`update`.
+        gate: Likewise.
 
     Attributes:
         time: Of the newest position taken in, in [s].
@@ -118,6 +230,8 @@ class TargetTrack:
         variances: NDArray[np.float64],
         agility: float,
         speed: float,
+        motion: Motion | None = None,
+        gate: float = math.inf,
     ) -> None:
         self.time, self.count = time, 1
         self.turn_rate = 0.0
@@ -133,21 +247,27 @@ class TargetTrack:
         self._covariances[..., 2, 2] = AGILITIES[:, np.newaxis] ** 2
         # The modes whose agility is nearest, by its logarithm; none begins with a turn.
         nearness = -0.5 * np.log(AGILITIES / agility) ** 2
-        nearness[TURN] = -math.inf
+        nearness[TURNING] = -math.inf
         weights = np.maximum(np.exp(nearness - nearness.max()), PROBABILITY_MIN)
         self.probabilities[:] = weights / weights.sum()
         self.covariances[:] = np.tensordot(self.probabilities, self._covariances, 1)
         self._step = NativeFunction(track_step(), [self._memory])
+        if motion is not None:
+            self.see(1, *motion, gate)
 
     @property
     def agility(self) -> float:
         """Standard deviation of the target's acceleration, over the modes, in [m/s^2]."""
         return math.sqrt(float(self.probabilities @ AGILITIES**2))
 
-    @property
-    def held(self) -> float:
-        """For how long it is taken to run on without being seen in [s]."""
-        return STRAIGHT_TIME if self.probabilities[QUIET] > STRAIGHT else BRIDGE_TIME
+    def bridge(self, age: float) -> tuple[float, float]:
+        """See :func:`bridged`: it runs on for longer where it has run straight on.
+
+        Args:
+            age: Of the track in [s].
+        """
+        straight = self.probabilities[QUIET] > RUNS_STRAIGHT
+        return bridged(age, STRAIGHT_TIME if straight else BRIDGE_TIME)
 
     def variance(self, order: int) -> float:
         """Variance of a derivative of the position, mean of the level axes, in SI units.
@@ -158,13 +278,13 @@ class TargetTrack:
         east, north, _ = self.covariances[:, order, order].tolist()
         return 0.5 * (east + north)  # type: ignore[no-any-return]
 
-    def position_std(self, age: float) -> float:
+    def position_std(self, time: float) -> float:
         """Standard deviation of the position on the worse level axis in [m].
 
         Args:
-            age: Of the track, at least 0, in [s].
+            time: When, in [s]; before the newest position that of the newest one stands in.
         """
-        transition, noise = singer_motion(age)
+        transition, noise = singer_motion(min(max(time - self.time, 0.0), FORGOTTEN))
         row = transition[0]
         worse = float((self.covariances[LEVEL] @ row @ row).max())
         return math.sqrt(worse + self.agility**2 * noise[0, 0])
@@ -192,27 +312,19 @@ class TargetTrack:
                 as noise of this position and of the one before, not as motion.
         """
         elapsed, gate = time - self.time, gate * (SECOND if self.count == 1 else 1.0)
-        if not self._see(0, position, variances, gate, elapsed, doubted):
+        if not self.see(0, position, variances, gate, elapsed, doubted):
             return False
         self.time, self.count = time, self.count + 1
         if motion is not None:
-            self.see_velocity(*motion, gate)
-        self._average_turn(elapsed)
+            self.see(1, *motion, gate)
+        (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
+        # A velocity within its own uncertainty has no direction to turn.
+        square = max(vx * vx + vy * vy, 9.0 * self.variance(1))
+        share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
+        self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
         return True
 
-    def see_velocity(
-        self, velocity: NDArray[np.float64], variances: NDArray[np.float64], gate: float
-    ) -> None:
-        """Take in a velocity of the track's time unless its innovation exceeds the gate.
-
-        Args:
-            velocity: Shape (3,), in [m/s].
-            variances: On each axis, shape (3,), in [m^2/s^2].
-            gate: Greatest squared normalised innovation of the mode that explains it best, [-].
-        """
-        self._see(1, velocity, variances, gate)
-
-    def _see(
+    def see(
         self,
         order: int,
         measured: NDArray[np.float64],
@@ -221,12 +333,19 @@ class TargetTrack:
         elapsed: float = 0.0,
         doubted: bool = False,
     ) -> bool:
-        """Whether a measured derivative of order 0 or 1 is taken in: else nothing changes."""
+        """Whether a measured derivative of the position is taken in: else nothing changes.
+
+        Args:
+            order: Of the derivative, 0 or 1.
+            measured: Shape (3,), in [m] or [m/s].
+            variances: Of it on each axis, shape (3,), in its unit squared.
+            gate: See :meth:`update`.
+            elapsed: Since the track's time in [s].
+            doubted: See :meth:`update`.
+        """
         transition, noise = singer_motion(elapsed)
-        carried = transition
-        if elapsed > self.held:
-            travelled, left = bridged(elapsed, self.held)
-            carried = singer_motion(travelled)[0] * [[1.0], [left], [left]]
+        travelled, left = self.bridge(elapsed)
+        carried = singer_motion(travelled)[0] * [[1.0], [left], [left]]
         SEEN.fill(
             self._step.arguments[1],
             elapsed=elapsed,
@@ -245,13 +364,6 @@ class TargetTrack:
             self._memory[:] = after
         return bool(taken[0])
 
-    def _average_turn(self, elapsed: float) -> None:
-        (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
-        # A velocity within its own uncertainty has no direction to turn.
-        square = max(vx * vx + vy * vy, 9.0 * self.variance(1))
-        share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
-        self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
-
 
 @functools.cache
 @one_at_a_time
@@ -267,12 +379,10 @@ def track_step() -> ca.Function:
         for innovation, axes in zip(innovations, covariances, strict=True)
     ]
     taken = ca.mmin(ca.vertcat(*explained)) <= seen.gate
-    scatter = ca.fmax(variances, ca.sumsqr(innovations[QUIET]) / 3.0)
-    variances = ca.if_else(seen.doubted, scatter, variances)
+    variances = ca.fmax(variances, seen.doubted * ca.sumsqr(innovations[QUIET]) / 3.0)
     for axes in covariances:
         for axis, each in enumerate(axes):
-            most = ca.fmax(each[0, 0], variances[axis])
-            each[0, 0] = ca.if_else(seen.doubted, most, each[0, 0])
+            each[0, 0] = ca.fmax(each[0, 0], seen.doubted * variances[axis])
 
     # Kalman corrections
     likelihoods, after, corrected = [], [], []
@@ -281,8 +391,7 @@ def track_step() -> ca.Function:
         total, wide, error = own + variances, own + OUTLIER_VARIANCE * variances, innovation**2
         usual = -0.5 * ca.sum1(ca.log(total) + error / total)
         unusual = OUTLIER_WEIGHT - 0.5 * ca.sum1(ca.log(wide) + error / wide)
-        most = ca.fmax(usual, unusual)
-        likelihoods.append(most + ca.log1p(ca.exp(-ca.fabs(usual - unusual))))
+        likelihoods.append(ca.logsumexp(ca.vertcat(usual, unusual)))
         # The information of a measurement that may be an outlier is the mean of both.
         outlier = ca.exp(unusual - likelihoods[-1])
         noise = variances / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
@@ -324,7 +433,7 @@ def _predicted(
     square = (t > 0.0) * ca.fmax(TURN_SPEED**2, ca.sumsqr(known.state[3:6]))
     turn = square * ca.blockcat([[t**2 / 3.0, t / 2.0, 0.0], [t / 2.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
     spreads = [agility**2 * noise for agility in AGILITIES.tolist()]
-    spreads[TURN] += turn
+    spreads[TURNING] += turn
     covariances = [
         [transition @ each @ transition.T + spread for each in axes]
         for axes, spread in zip(covariances, spreads, strict=True)
@@ -338,10 +447,9 @@ def _along(axes: list[ca.SX], row: ca.SX) -> ca.SX:
 
 
 def _joseph(covariance: ca.SX, gain: ca.SX, noise: ca.SX, row: ca.SX) -> ca.SX:
-    """Joseph's form, and what was rounded off where a correction takes nearly all away."""
+    """Joseph's form."""
     remaining = ca.SX.eye(3) - gain @ row.T
     after = remaining @ covariance @ remaining.T + noise * (gain @ gain.T)
-    after += ROUNDING * ca.diag(ca.diag(covariance))
     return 0.5 * (after + after.T)
 
 

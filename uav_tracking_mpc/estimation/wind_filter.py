@@ -219,26 +219,13 @@ def _between(values: ca.SX, least: float, most: float) -> ca.SX:
     return ca.fmin(ca.fmax((values - least) / (most - least), 0.0), 1.0)
 
 
-def expected_velocity(lane: SimpleNamespace) -> ca.SX:
-    """Ground velocity to be measured, shape (3,), in [m/s].
+def through_air(lane: SimpleNamespace) -> ca.SX:
+    """Velocity through the air as it is measured, less alpha and beta, shape (3,), in [m/s].
 
     Args:
         lane: As predicted.
     """
-    state = lane.state
-    return lane.air - _beside(state, lane.air) + state[W] + state[G] + state[B]
-
-
-def sampled(lane: SimpleNamespace, position: ca.SX, velocity: ca.SX) -> ca.SX:
-    """What the noise is seen in: wind triangle [m/s] and offset of the position [m], shape (6,).
-
-    Args:
-        lane: As predicted.
-        position: As measured, shape (3,), in [m].
-        velocity: Over ground, as measured, shape (3,), in [m/s].
-    """
-    wind = velocity - lane.air + _beside(lane.state, lane.air)
-    return ca.vertcat(wind, position - lane.state[P])
+    return lane.air - _beside(lane.state, lane.air)
 
 
 def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> SimpleNamespace:
@@ -294,8 +281,7 @@ def _averaged(
     elapsed: ca.SX, turn_rate: ca.SX, before: ca.SX, air: ca.SX, steady: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
     """Air velocity followed slowly, without a lag where it turns steadily; and its turn rate."""
-    x, y, x_after, y_after = before[0], before[1], air[0], air[1]
-    turned = ca.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
+    turned = ca.atan2(ca.dot(_across(before), air), ca.dot(before[:2], air[:2]))
     turn_rate += (turned - elapsed * turn_rate) / AVERAGING_TIME
     turn = elapsed * turn_rate
     level = ca.cos(turn) * steady + ca.sin(turn) * _across(steady)

@@ -435,7 +435,7 @@ def _prediction(
     dynamics: tuple[NDArray[np.float64], NDArray[np.float64]],
     dead_times: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What the navigator does: see ``Navigator._flown_through``."""
+    """What the navigator does: see ``Navigator._at_effect``."""
     delay = float(np.max(dead_times))
     count = max(1, math.ceil(delay / LONGEST_SUBSTEP - ROUNDING))
     substep = delay / count

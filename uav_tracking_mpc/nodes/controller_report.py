@@ -492,7 +492,10 @@ class ControllerViews:
         if not heard or command.present is None:
             return
         message = self._error_values
-        deviation, surplus = navigator.target.position_std(command.stamp), navigator.air.surplus
+        deviation, surplus = (
+            navigator.target.track.position_std(command.stamp),
+            navigator.air.surplus,
+        )
         figures = deviation, navigator.wind, command.mode, surplus, self.frames
         set_tracking(message, stamp, command.present, command.orbit, *figures)
         if not all(map(math.isfinite, message.position)):

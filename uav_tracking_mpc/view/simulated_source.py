@@ -168,14 +168,13 @@ class SimulatedSights:
         truth = loop.target.position(now)
         if not loop.killed and known.time is not None:
             position, velocity, _ = known.motion(now)
+            deviation = known.track.position_std(now)
             if not 0.0 <= now - self._forecast_at < FORECAST_PERIOD:
                 ahead = [now + later for later in FORECAST]
-                rows = [[*known.motion(time)[0], known.position_std(time)] for time in ahead]
+                rows = [[*known.motion(time)[0], known.track.position_std(time)] for time in ahead]
                 self._forecast = np.array(rows)
                 self._forecast_at = now
-            return TargetSight(
-                position, velocity, known.position_std(now), loop.sighting, truth, self._forecast
-            )
+            return TargetSight(position, velocity, deviation, loop.sighting, truth, self._forecast)
         if loop.sighting is None:
             return None
         return TargetSight(loop.sighting, measured=loop.sighting, truth=truth)

@@ -49,13 +49,7 @@ from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.frames import course_rates_from_euler, heading_from_yaw
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
-from uav_tracking_mpc.estimation.measurement import (
-    SILENT,
-    UNKNOWN,
-    Measurement,
-    SensorNoise,
-    axes_noise,
-)
+from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise, told_noise
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 KEPT = 20  # round trips
@@ -184,7 +178,7 @@ class Accuracies:
     """The newest that were told."""
 
     def __init__(self) -> None:
-        self._told: dict[str, tuple[tuple[float, float, float], float]] = {}  # and when, in s
+        self._told: dict[str, tuple[tuple[float, ...], float]] = {}  # and when, in s
 
     def see(self, message: Any, arrival: float) -> None:
         """Take in a message.
@@ -209,18 +203,16 @@ class Accuracies:
             now: Our time in [s].
         """
         fresh = {
-            name: axes
-            for name, (axes, at) in self._told.items()
-            if now - at <= AGE and axes != UNKNOWN
+            name: axes for name, (axes, at) in self._told.items() if now - at <= AGE and any(axes)
         }
-        position = fresh.get("filter", fresh.get("receiver", UNKNOWN))
-        return SensorNoise(position, fresh.get("velocity", UNKNOWN)) if fresh else SILENT
+        position = fresh.get("filter", fresh.get("receiver", SILENT.position))
+        return SensorNoise(position, fresh.get("velocity", SILENT.velocity)) if fresh else SILENT
 
 
-def _axes(name: str, level: float, vertical: float) -> tuple[float, float, float]:
+def _axes(name: str, level: float, vertical: float) -> tuple[float, ...]:
     """Of standard deviations, of which one may be negative or not finite; zeros for unknown."""
     variances = [math.copysign(1.0, value) * value * value for value in (level, level, vertical)]
-    return axes_noise(name, variances)
+    return told_noise(name, variances)
 
 
 DEGREE_SCALE = math.radians(1e-7)  # rad, code: unit of latitude and longitude on the wire

@@ -135,7 +135,7 @@ def response_values(response: ResponseAdaptation) -> dict[str, object]:
     """
     values: dict[str, object] = {}
     lags, dead_times, gains = response.flown
-    for axis, (name, channel) in enumerate(zip(CHANNELS, response.channels, strict=True)):
+    for axis, (name, channel) in enumerate(zip(CHANNELS, response.estimator.channels, strict=True)):
         if response.enabled:
             values |= {
                 f"{name} lag estimated [s]": channel.lag,
