@@ -89,7 +89,7 @@ def test_fly_your_own_plant():
 
 
 def test_add_a_law(run_here):
-    printed = run_here("add_a_law.py", "--json", "--set", "mission.duration=60.0")
+    printed = run_here("add_a_law.py", "--json", "--set", "mission.duration=40.0")
     (laws,) = json.loads(printed)["scenarios"].values()
     assert list(laws) == ["l1", "pure_pursuit"]
     assert laws["pure_pursuit"]["range_rms_m"] < 10.0
@@ -111,7 +111,7 @@ def test_add_a_model(tmp_path, run_here):
 
 
 def test_add_a_plant(tmp_path, run_here):
-    shorter = ["--set", "mission.duration=60.0"]
+    shorter = ["--set", "mission.duration=40.0"]
     flown = json.loads(run_here("add_a_plant.py", "--json", "--output", tmp_path, *shorter))
     assert flown["steady_state"]["range_rms_m"] < 5.0
     slipping = loaded(EXAMPLES / "add_a_plant.py").Slipping(SimulatorParameters(initial_speed=20.0))
