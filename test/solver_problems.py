@@ -58,7 +58,8 @@ def pendulum(
 
     x = (angle, rate), u = torque; p pushes the rate; a is the angle at which it is to rest, paid
     for by its distance to ``reach``; the rate is limited at the stages (hard or soft), as is
-    u - 2 angle; at the end it rests at a, and a is inside a disc.
+    u - 2 angle; at the end it rests at a, and a is inside a disc. What holds it there is its
+    continuation.
     """
     x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 1)
     p, a = ca.SX.sym("p", 1), ca.SX.sym("a", 1)
@@ -85,6 +86,7 @@ def pendulum(
         ),
         terminal_inequalities=(Inequality(a**2 - 0.09, None, "disc"),),
         terminal_equality=ca.vertcat(x[0] - a, x[1]),
+        continuation=ca.sin(x[0]) - p,
     )
 
 

@@ -146,10 +146,10 @@ def test_a_page_without_a_place_for_the_table_costs_no_flight(tmp_path, uav_trac
 
 
 @pytest.mark.usefixtures("in_this_process")
-def test_an_option_that_is_repeated_adds_to_itself(tmp_path, uav_tracking):
+def test_an_option_that_is_repeated_adds_to_itself(uav_tracking):
     content = uav_tracking.json(
         "compare", "--scenario", "wind", "--scenario", "still", "--laws", "l1", "--laws", "npfg",
-        "--set", "mission.duration=5", "--output", tmp_path,
+        "--set", "mission.duration=5",
     )  # fmt: skip
     assert {name: set(laws) for name, laws in content["scenarios"].items()} == {
         "wind": {"l1", "npfg"}, "still": {"l1", "npfg"}

@@ -199,7 +199,7 @@ class Picky(AirspeedSpan):
 def test_a_limit_that_raises_off_an_airspeed_limit_leaves_the_orbit_as_it_is(tmp_path, monkeypatch):
     (tmp_path / "limit.py").write_text(PICKY)
     limit = f"limits={tmp_path / 'limit.py'}:Picky"
-    controller = Controller(small_uav.parameters(limit, "airspeed=15.0"))
+    controller = Controller(small_uav.parameters(limit, "airspeed=15.0", "solver=ipopt"))
     unknown = property(lambda navigator: (3.0, (0.0, 0.0)))
     monkeypatch.setattr(Navigator, "airspeed_uncertainty", unknown)
     controller._keep_margin()

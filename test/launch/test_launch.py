@@ -284,11 +284,13 @@ def test_a_flight_whose_node_died_is_kept_and_reported(tmp_path):
 
 @pytest.fixture(scope="module")
 def flight(tmp_path_factory):
-    """A mission with real processes through the command, as a user runs it."""
+    """A mission with real processes through the command, as a user runs it, from near the orbit."""
     output = tmp_path_factory.mktemp("flight")
+    near = ("initial_position=[155.0, 0.0, 48.0]", "initial_heading=-1.57", "initial_speed=4.0")
+    start = [word for each in near for word in ("--set", f"uav_simulator.{each}")]
     # On a loaded machine, where late commands cost range at the speed of the demo.
     patient = ("--set", "nmpc_controller.solve_time_max=1.0", "--speed", 3)
-    words = ("fly", "--duration", 40, "--output", output, "--json", *patient)
+    words = ("fly", "--duration", 25, "--output", output, "--json", *start, *patient)
     code, told, errors = outcome("cli.main", *words, env=undecided())
     assert code == 0, errors
     return output, json.loads(told)
@@ -302,12 +304,12 @@ def test_the_mission_is_flown_recorded_and_reported(flight):
     }  # fmt: skip
     assert {path.name for path in output.iterdir()} == files
     assert json.loads((output / "metrics.json").read_text()) == metrics
-    assert metrics["settling_s"]["altitude"] <= 20.0
-    assert metrics["settling_s"]["range"] <= 25.0
+    assert metrics["settling_s"]["altitude"] <= 10.0
+    assert metrics["settling_s"]["range"] <= 12.0
     assert metrics["steady_state"]["range_rms_m"] <= 0.05
     assert metrics["steady_state"]["altitude_rms_m"] <= 0.05
     assert metrics["solver"]["failures"] == 0
-    assert metrics["commands"]["sent"] >= metrics["solver"]["solves"] > 100
+    assert metrics["commands"]["sent"] >= metrics["solver"]["solves"] > 50
     assert metrics["latency_us"]["median"] > 0.0
 
 

@@ -30,7 +30,7 @@ from scipy.linalg import eigh, solve_discrete_are
 from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import error_dynamics, steady_inputs
-from uav_tracking_mpc.symbolic.functions import linearise
+from uav_tracking_mpc.symbolic.functions import BufferedFunction, linearise
 
 
 @dataclass(frozen=True)
@@ -240,7 +240,8 @@ class Excess:
         left, right_side = ca.bilin(ca.DM(weight), image, image), ca.bilin(ca.DM(right), x, x)
         excess = left - right_side
         self._value = ca.Function("excess", [x], [excess])
-        self._both = ca.Function("excess_gradient", [x], [excess, ca.gradient(excess, x)])
+        gradient = ca.densify(ca.gradient(excess, x))
+        self._both = BufferedFunction(ca.Function("excess_gradient", [x], [excess, gradient]))
 
     def __call__(self, states: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values, shape (n,), at ``states`` of shape (n, 5); nan outside the model's domain."""
@@ -248,8 +249,10 @@ class Excess:
 
     def with_gradient(self, state: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
         """Value and gradient, shape (5,), at one ``state`` of shape (5,)."""
-        value, gradient = self._both(state)
-        return float(value), np.array(gradient).ravel()
+        self._both.arguments[0][:] = state
+        self._both.evaluate()
+        (value,), gradient = self._both.results
+        return float(value), gradient.copy()
 
 
 def decrease_excess(problem: StabilityProblem, ingredients: TerminalIngredients) -> Excess:

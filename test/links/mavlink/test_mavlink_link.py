@@ -62,7 +62,7 @@ SMALL = {  # PX4's small airplane, by its own configuration
         pytest.param(
             *("px4", "crosswind", {}, (0.3, 0.0, 0.3), 25.0, (0.3, 1.0, 5.0, 0.3)), marks=LONG
         ),
-        ("px4", None, SMALL, (), 10.0, (0.3, 1.0, 5.0, 0.3)),
+        pytest.param("px4", None, SMALL, (), 10.0, (0.3, 1.0, 5.0, 0.3), marks=LONG),
     ],
 )
 def test_it_circles_in_wind_and_turbulence(dialect, scenario, config, shaken, settling, limits):

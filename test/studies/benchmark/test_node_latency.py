@@ -26,12 +26,10 @@ from uav_tracking_mpc.studies.benchmark.node_latency import (
     watched_latency,
 )
 
-FAST = ["nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0"]
-
 
 @pytest.fixture
 def configuration():
-    return load_configuration("small_uav", FAST, "crosswind")
+    return load_configuration("small_uav", scenario="crosswind")
 
 
 def assert_timed(*rows):

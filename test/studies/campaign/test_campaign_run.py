@@ -225,7 +225,9 @@ def test_all_draws_are_flown_by_all_laws(two_laws, alone):
         assert all(one[key] == other[key] for key in two_laws.inputs)
 
 
+@pytest.mark.long
 def test_two_processes_fly_the_same(two_laws, alone, tmp_path):
+    """As test/cli/test_campaign.py shows by the command, of a campaign that was killed."""
     results = run_campaign(two_laws, LocalExecutor(2), tmp_path, show=False)
     assert results.file.read_bytes() == alone.file.read_bytes()
 
