@@ -56,7 +56,7 @@ def controller():
             # The solver's workspace is overwritten by every solve; a doubtful state is remembered,
             # to judge the next ones; the first stamp, whatever it is, is where times are counted
             # from. Margins are judged in a thread, which ends when it will.
-            may_change=("formulation", "_outlier", "_agreeing", "reason", "events", "_margins"),
+            may_change=("formulation", "_outliers", "reason", "events", "_margins"),
             use_sim_time=True,
             delay_margin_min=0.0,  # judged beside the flight, at times of its own
             gain_margin_min=0.0,

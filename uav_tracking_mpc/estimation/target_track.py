@@ -100,6 +100,7 @@ PROBABILITY_MIN = 1e-12  # -, of a mode
 OUTLIER_WEIGHT = math.log(0.03)  # -, logarithm of the share of measurements that are outliers
 OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
 SECOND = 4.0  # -, factor on the gate of a track's second position: its velocity is not known yet
+ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
 FORGOTTEN = 300.0  # s without a position after which nothing is left of a track
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 # Velocity [m/s] and its variances on each axis [m^2/s^2], shape (3,) each.
@@ -447,9 +448,10 @@ def _along(axes: list[ca.SX], row: ca.SX) -> ca.SX:
 
 
 def _joseph(covariance: ca.SX, gain: ca.SX, noise: ca.SX, row: ca.SX) -> ca.SX:
-    """Joseph's form."""
+    """Joseph's form, and what was rounded off where a correction takes nearly all away."""
     remaining = ca.SX.eye(3) - gain @ row.T
     after = remaining @ covariance @ remaining.T + noise * (gain @ gain.T)
+    after += ROUNDING * ca.diag(ca.diag(covariance))
     return 0.5 * (after + after.T)
 
 
