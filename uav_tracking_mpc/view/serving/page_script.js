@@ -487,10 +487,10 @@
     hudByHand = hud.hasAttribute("hidden");
     tell();
   }
-  let lastView = "";
+  let inCockpit = false;
   function showHud(sight) {
-    if (now && now.view !== lastView) [lastView, hudByHand] = [now.view, null];
-    const wanted = hudByHand ?? now?.view === COCKPIT;
+    if (now && (now.view === COCKPIT) !== inCockpit) [inCockpit, hudByHand] = [!inCockpit, null];
+    const wanted = hudByHand ?? inCockpit;
     hudButton.setAttribute("aria-pressed", wanted);
     const scene = document.querySelector("canvas[data-engine]");
     if (hud.toggleAttribute("hidden", !(wanted && sight && scene))) return;
