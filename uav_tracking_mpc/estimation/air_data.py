@@ -96,8 +96,7 @@ class AirData:
         self._path = FlightPath()
         # Of each reading that must change as the aircraft does: what it is, for how long it has
         # been that [s], how the aircraft has changed meanwhile, whether it is stuck.
-        self._readings: tuple[object, ...] = (None,) * 5
-        self._stood, self._changed, self._repeated = np.zeros(5), np.zeros(5), np.zeros(5, bool)
+        self._repeated: list[tuple[object, float, float, bool]] = [(None, 0.0, 0.0, False)] * 5
         self._turn_rate = 0.0  # rad/s, of the nose
         self._place, self._stays = (math.nan,) * 3, 0.0  # m, and for how long it is the same in [s]
         self.stuck, self.climb_state = (False, False), USED
@@ -143,7 +142,9 @@ class AirData:
         self._first = min(self._first, stamp) if self.missing else -math.inf
         self.awaited = self.missing and stamp - self._first < self.timeout
         held = self.holds_altitude and not (self.missing or self._failed)
-        heading_stuck, bank_stuck, velocity_stuck, *climbs_stuck = self._repeated.tolist()
+        heading_stuck, bank_stuck, velocity_stuck, *climbs_stuck = (
+            stuck for *_, stuck in self._repeated
+        )
         climb_stuck = any(climbs_stuck)
         plausible = self._plausible(measurement, airspeed)
         attitude = replace(measurement, bank=None) if bank_stuck else measurement
@@ -200,27 +201,31 @@ class AirData:
         seldom = waits if repeats else STUCK_TIME
         told = measurement.axis is Axis.BODY and measurement.bank is not None
         rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
-        climbed = np.nan_to_num(place[2] - self._place[2] - elapsed * velocity[2])
+        climbed = place[2] - self._place[2] - elapsed * velocity[2]
         # Where height and climb are stuck together, the pitch tells.
         by_pitch = elapsed * self._path.climb.missed
         most = STUCK_CLIMB + NOISE_MULTIPLE * height_noise
-        readings = measurement.heading, measurement.bank, velocity, velocity[2], velocity[2]
-        changes = np.array([turned, told * rolled, turned, climbed, by_pitch])
-        limits = np.array([STUCK_TURN, STUCK_ROLL, STUCK_TURN, most, STUCK_CLIMB])
-        longest = np.array([STUCK_TIME, STUCK_TIME, seldom, seldom, seldom])
-        same = np.array([now == last for now, last in zip(readings, self._readings, strict=True)])
-        self._readings = readings
-        self._stood = same * (self._stood + elapsed)
-        self._changed = same * (self._changed + changes)
-        hides = (self._stood > longest) & (np.abs(self._changed) > limits)
-        self._repeated = same & (self._repeated | hides)
+        checks = (
+            (measurement.heading, turned, STUCK_TURN, STUCK_TIME),
+            (measurement.bank, told * rolled, STUCK_ROLL, STUCK_TIME),
+            (velocity, turned, STUCK_TURN, seldom),
+            (velocity[2], 0.0 if math.isnan(climbed) else climbed, most, seldom),
+            (velocity[2], by_pitch, STUCK_CLIMB, seldom),
+        )
+        for index, (reading, change, limit, longest) in enumerate(checks):
+            last, stood, changed, stuck = self._repeated[index]
+            same = reading == last
+            stood, changed = same * (stood + elapsed), same * (changed + change)
+            stuck = same and (stuck or (stood > longest and abs(changed) > limit))
+            self._repeated[index] = reading, stood, changed, stuck
         self._place = place
         # A heading that counts from North to East is the mirrored one.
         course = math.atan2(velocity[1], velocity[0])
         beside = abs(math.remainder(course - measurement.heading, math.tau))
         mirrored = abs(math.remainder(course + measurement.heading - 0.5 * math.pi, math.tau))
         looks = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and beside > BESIDE and mirrored < ALONG
-        sound = not (self._repeated[0] or self._repeated[2] or self._velocity_failed)
+        stuck = self._repeated[0][-1] or self._repeated[2][-1]
+        sound = not (stuck or self._velocity_failed)
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
 
     @property
@@ -272,7 +277,7 @@ class AirData:
                 "the nose turns against the bank: the attitude is taken for the direction flown",
             ),
             (
-                bool(self._repeated[1]),
+                self._repeated[1][-1],
                 "the bank is stuck: the attitude is taken for the direction flown",
             ),
             (

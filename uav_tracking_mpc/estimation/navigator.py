@@ -381,6 +381,7 @@ class Navigator:
         state[:] = model.initial(present.vehicle, present.target, present.rates)
         numbers[:] = model.numbers(substep)
         drift[:], rate[:], duration[0] = present.drift, present.drift_rate, substep
+        change = substep * rate
         for index in range(count):
             middle = time + (index + 0.5) * substep
             inputs[:] = [
@@ -388,7 +389,7 @@ class Navigator:
             ]
             step.evaluate()
             state[:] = step.results[0]
-            drift += substep * rate
+            drift += change
         vehicle, target = state[:6].copy(), forecast.target[0]
         vehicle[:3] += target
         vehicle[3:5] = [math.remainder(angle, math.tau) for angle in vehicle[3:5].tolist()]
