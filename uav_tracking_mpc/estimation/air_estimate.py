@@ -77,7 +77,7 @@ MAIN, NO_AIRSPEED = range(2)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
 # Of their covariance
 LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each in (W, G))
-POSITION = DIAGONAL[P].tolist()
+OF_POSITION = DIAGONAL[P].tolist()  # its variances, in a triangle
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
@@ -315,7 +315,7 @@ def _step() -> ca.Function:
     believed = ca.fmax(places.held, wind_filter.POSITION_NOISE**2)
     uncertain = ca.if_else(scatter > believed, scatter, 0.0)
     for lane in lanes:
-        lane.triangle[POSITION] = ca.fmax(lane.triangle[POSITION], uncertain)
+        lane.triangle[OF_POSITION] = ca.fmax(lane.triangle[OF_POSITION], uncertain)
     read = ca.if_else(fresh * (code == CODE[JUMPED]), seen.position, position)
     # Once positions scatter, what was metered before counts as little as some seconds of samples.
     places.weight = ca.fmin(places.weight, ca.if_else(scattered, noise_meter.EARLY, ca.inf))

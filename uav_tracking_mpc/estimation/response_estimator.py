@@ -136,7 +136,7 @@ class ResponseCandidates:
 
     Args:
         time: When it begins, in a steady flight, in [s].
-        inputs: (u_psi, u_chi, u_v) flown since long ago.
+        inputs: (u_psi, u_chi, u_v) flown since long ago, in [rad/s, rad/s, m/s^2].
 
     Attributes:
         end: When the last command that is known ends in [s].
@@ -241,14 +241,7 @@ class ResponseEstimator:
     def commanded(
         self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
     ) -> None:
-        """Record a plan: see :meth:`CommandHistory.add`.
-
-        Args:
-            sent: From when on it is flown in [s].
-            begin: When its first segment begins in [s], at or before ``sent``.
-            inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
-            step: Length of a segment in [s].
-        """
+        """See :meth:`ResponseCandidates.commanded`."""
         if self._time is not None:
             self._candidates.commanded(sent, begin, inputs, step)
             self._commanded = True

@@ -92,9 +92,7 @@ TURN_SPEED = 5.0  # m/s, least standard deviation on each axis by which a turn c
 RATES = np.array(
     [[0.0, 3e-4, 3e-4, 3e-4], [0.05, 0.0, 0.05, 0.02], [0.0, 0.2, 0.0, 0.05], [0.0, 0.0, 1e3, 0.0]]
 )
-RUNS_STRAIGHT = (
-    0.9  # probability of the quiet mode above which a target that hides runs straight on
-)
+RUNS_STRAIGHT = 0.9  # probability of the quiet mode above which a hidden target runs straight on
 QUIET_LEAST = 0.02  # probability of the quiet mode above which it is not mixed with the others
 PROBABILITY_MIN = 1e-12  # -, of a mode
 OUTLIER_WEIGHT = math.log(0.03)  # -, logarithm of the share of measurements that are outliers
