@@ -40,6 +40,8 @@ def home(monkeypatch, tmp_path):
     for variable in ("ROS_LOG_DIR", "ROS_HOME"):
         monkeypatch.setenv(variable, "")
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    # Where threads of earlier tests keep machine code, which would make the home.
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     return tmp_path / "home"
 
 
