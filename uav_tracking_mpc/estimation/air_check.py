@@ -364,8 +364,11 @@ def compass_checked(
     learnt = ca.fmax(-most, ca.fmin(apart, most)) - elapsed * known.rate
     change = ca.logic_not(jumps) * ca.if_else(known_for > 0.0, learnt / known_for, 0.0)
     strayed = unusual - elapsed * change
-    snapped = alone * ca.remainder(known.snapped + jumps * strayed, math.tau)
+    # What has been subtracted is so until the compass has jumped back, whoever judges it meanwhile.
+    alone = ca.logic_or(alone, ca.fabs(known.snapped) > RETURN * SNAP)
+    jump = alone * jumps * strayed
+    snapped = alone * ca.remainder(known.snapped + jump, math.tau)
     after = SimpleNamespace(
         nose=nose, snapped=snapped, rate=known.rate + change, known_for=known_for
     )
-    return after, strayed, snapped
+    return after, strayed - jump, snapped

@@ -263,20 +263,21 @@ def _step() -> ca.Function:
 
     # Airspeed and heading
     turn_told = ca.logic_not(seen.turn_told == 0.0)
+    level_variances = ca.vertcat(*[ca.mmax(lane.triangle[LEVEL_WIND]) for lane in lanes[1:]])
+    wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
+    unknown = ca.logic_or(no_airspeed_used, sensors.weight[air_check.HEADING] == 0.0)
     compass, strayed, snapped = air_check.compass_checked(
         known.compass,
         dt,
         seen.compass,
         seen.turn_told,
-        ca.logic_and(no_airspeed_used, turn_told),
+        ca.logic_and(unknown, turn_told),
         seen.stuck[0],
         ca.fmax(ca.sqrt(known.aided.meters.held[0]), seen.noise[0]),
     )
     heading = seen.heading - snapped
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
-    level_variances = ca.vertcat(*[ca.mmax(lane.triangle[LEVEL_WIND]) for lane in lanes[1:]])
-    wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
     blind = lanes[NO_AIRSPEED].state
     air, out, turned, along = air_check.air_checked(
         sensors,
