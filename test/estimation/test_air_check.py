@@ -266,12 +266,15 @@ def test_a_wind_that_is_soon_found_elsewhere_is_no_airspeed_that_jumps(check):
 def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0, stuck=None):
     """Headings that are gone by, and whether they have jumped."""
     stuck = np.zeros(len(headings)) if stuck is None else stuck
+    alone = np.broadcast_to(alone, len(headings))
     memory = np.zeros(COMPASS_CHECK.size)
     COMPASS_CHECK.parts(memory).nose[:] = headings[0]
     check = Evaluated(compass_checked, COMPASS_CHECK, memory, [1, 1, 1, 1, 1, 1])
     found = [
-        check(step * (k > 0), heading, turn, alone, stands, deviation)
-        for k, (heading, stands) in enumerate(zip(headings, stuck, strict=True))
+        check(step * (k > 0), heading, turn, nobody_else, stands, deviation)
+        for k, (heading, nobody_else, stands) in enumerate(
+            zip(headings, alone, stuck, strict=True)
+        )
     ]
     snapped = np.array([float(angle[0]) for _, angle in found])
     return headings - snapped, (np.abs(snapped) > RETURN * SNAP).tolist()
@@ -303,9 +306,10 @@ def test_what_no_longer_repeats_itself_must_agree_first(before, stuck, after):
 def test_a_heading_that_jumps_without_a_turn_is_taken_back():
     times = STEP * np.arange(200)
     true, jumped = 0.3 * times, (times > 3.0) & (times < 7.0)
-    gone_by, named = compass_verdicts(true + 0.5 * jumped, 0.3)
-    assert gone_by == pytest.approx(true)
-    assert named == jumped.tolist()
+    for alone in (1.0, times < 5.0):  # and stays so if others could judge it meanwhile
+        gone_by, named = compass_verdicts(true + 0.5 * jumped, 0.3, alone=alone)
+        assert gone_by == pytest.approx(true)
+        assert named == jumped.tolist()
     gone_by, named = compass_verdicts(true + 0.5 * jumped, 0.3, alone=0.0)
     assert gone_by == pytest.approx(true + 0.5 * jumped)  # for others to judge
     assert not any(named)

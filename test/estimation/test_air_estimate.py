@@ -32,20 +32,25 @@ STEP, SPEED, TURN = 0.05, 22.0, 0.073
 
 
 class AirFilter(AirEstimate):
-    """Estimate of an aircraft whose air velocity is measured as a vector; it turns as that does."""
+    """Estimate of an aircraft whose air velocity is measured as a vector.
 
-    def see(self, time, position, ground, air, noise=(0.0, 0.0, 0.0), velocity_noise=(0.0,) * 3):
+    It turns as that does, if nobody says how.
+    """
+
+    def see(
+        self, time, position, ground, air, noise=(0.0, 0.0, 0.0), velocity_noise=(0.0,) * 3,
+        turn=None,
+    ):  # fmt: skip
         east, north, up = np.asarray(air, dtype=float)
         heading, speed = math.atan2(north, east), math.hypot(east, north, up)
-        turn = 0.0
-        if self._time is not None and time > self._time:
+        if turn is None and self._time is not None and time > self._time:
             turn = math.remainder(heading - self._seen.heading[0], math.tau) / (time - self._time)
         told = SensorNoise(position=tuple(noise), velocity=tuple(velocity_noise))
         measurement = Measurement(
-            time, position, ground, heading, math.asin(up / speed), turn,
+            time, position, ground, heading, math.asin(up / speed), turn or 0.0,
             airspeed=speed, noise=told, axis=Axis.AIR_VELOCITY,
         )  # fmt: skip
-        rates = np.array([turn, 0.0, 0.0])
+        rates = np.array([turn or 0.0, 0.0, 0.0])
         state = measurement.state(speed)
         self.update(measurement, state, rates, 0.0, False)
 
@@ -99,6 +104,19 @@ def test_on_a_straight_way_the_wind_ahead_stays_unknown_without_the_airspeed():
     known = filter_.found.known[0]
     assert not known
     assert filter_.health.states["airspeed"] == "used"
+
+
+def test_a_heading_that_jumps_before_the_wind_is_known_is_taken_back():
+    """By the gyros: nothing else contradicts it yet, and what it says would become wind."""
+    filter_, along, wind = AirFilter(), np.array([SPEED, 0.0, 0.0]), np.array([3.0, -5.0, 0.0])
+    beside = SPEED * np.array([np.cos(1.5), np.sin(1.5), 0.0])
+    for k in range(round(30.0 / STEP)):
+        air = beside if k * STEP > 15.0 else along
+        filter_.see(k * STEP, k * STEP * (along + wind), along + wind, air, turn=1e-4)
+        assert filter_.health.states["heading"] == ("jumped" if k * STEP > 15.0 else "used")
+        assert filter_.found.vehicle[3] == pytest.approx(0.0, abs=0.01)
+        if k * STEP > 5.0:
+            np.testing.assert_allclose(filter_.state.wind[:2], wind[:2], atol=0.3)
 
 
 def test_a_bias_of_the_ground_velocity_shows_beside_the_positions():

@@ -31,8 +31,8 @@ stays the same to the last bit though the aircraft has been accelerated is left 
 velocity and wind stand in for a sensor until it agrees again.
 
 A compass is compared with the gyros, too: their difference, less the gyros' bias, shows one that
-drifts. Without an airspeed the gyros are all that a heading can be compared with: what it has
-jumped by is then subtracted.
+drifts. Without an airspeed, and until the wind is known, the gyros are all that a heading can be
+compared with: what it has jumped by is then subtracted.
 
 These are expressions: :mod:`~uav_tracking_mpc.estimation.air_estimate` compiles them.
 """
@@ -343,7 +343,8 @@ def compass_checked(
 ) -> tuple[SimpleNamespace, ca.SX, ca.SX]:
     """What is known after a compass, what it strays by from the gyros, and by what it has jumped.
 
-    The latter two in [rad]: since the compass before, and since it has been right.
+    The latter two in [rad]: since the compass before, less a jump that is subtracted; and since it
+    has been right.
 
     Args:
         known: By :data:`COMPASS_CHECK`: the compass before, by how much it has jumped [rad], how
@@ -351,7 +352,7 @@ def compass_checked(
         elapsed: Since the compass before in [s].
         nose: Where the compass says that the nose points, in [rad].
         turn: How it turns by the gyros, as they are measured, in [rad/s].
-        alone: Whether no airspeed is used, and the gyros tell the turn.
+        alone: Whether the gyros tell the turn, and nothing else what to make of the heading.
         stuck: Whether the compass stays the same though the aircraft turns.
         deviation: Standard deviation of the heading's noise in [rad].
     """
@@ -364,7 +365,7 @@ def compass_checked(
     learnt = ca.fmax(-most, ca.fmin(apart, most)) - elapsed * known.rate
     change = ca.logic_not(jumps) * ca.if_else(known_for > 0.0, learnt / known_for, 0.0)
     strayed = unusual - elapsed * change
-    # What has been subtracted is so until the compass has jumped back, whoever judges it meanwhile.
+    # A jump that is subtracted is so until the compass has jumped back, whoever could judge by then.
     alone = ca.logic_or(alone, ca.fabs(known.snapped) > RETURN * SNAP)
     jump = alone * jumps * strayed
     snapped = alone * ca.remainder(known.snapped + jump, math.tau)
