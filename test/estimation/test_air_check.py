@@ -272,9 +272,7 @@ def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0, stuck=
     check = Evaluated(compass_checked, COMPASS_CHECK, memory, [1, 1, 1, 1, 1, 1])
     found = [
         check(step * (k > 0), heading, turn, nobody_else, stands, deviation)
-        for k, (heading, nobody_else, stands) in enumerate(
-            zip(headings, alone, stuck, strict=True)
-        )
+        for k, (heading, nobody_else, stands) in enumerate(zip(headings, alone, stuck, strict=True))
     ]
     snapped = np.array([float(angle[0]) for _, angle in found])
     return headings - snapped, (np.abs(snapped) > RETURN * SNAP).tolist()

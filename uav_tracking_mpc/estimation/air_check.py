@@ -365,7 +365,7 @@ def compass_checked(
     learnt = ca.fmax(-most, ca.fmin(apart, most)) - elapsed * known.rate
     change = ca.logic_not(jumps) * ca.if_else(known_for > 0.0, learnt / known_for, 0.0)
     strayed = unusual - elapsed * change
-    # A jump that is subtracted is so until the compass has jumped back, whoever could judge by then.
+    # A jump that is subtracted is so until the compass has jumped back, whoever may judge by then.
     alone = ca.logic_or(alone, ca.fabs(known.snapped) > RETURN * SNAP)
     jump = alone * jumps * strayed
     snapped = alone * ca.remainder(known.snapped + jump, math.tau)
