@@ -44,7 +44,7 @@ class AirCheck(Evaluated):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
             seen = heading, reading, present, level, air, deviation, settled, moved
-            seen = *seen, 1.0, rates[0], rates[1], 0.0
+            seen = *seen, 1.0, rates[0], rates[1], 0.0, 0.0
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
@@ -121,8 +121,12 @@ def test_in_gusts_a_wind_that_will_not_be_known_better_judges_once_the_flight_ha
     for settled, named in ((0.0, ""), (1.0, "jumped")):
         check = AirCheck(settled)
         circled(check, right, deviation=2.0)
-        circled(check, lambda time: right(time) + 10.0, 100.0, 105.0, deviation=2.0)
+        rising = lambda time: right(time) + min(20.0 * (time - 100.0), 10.0)  # noqa: E731
+        circled(check, rising, 100.0, 105.0, deviation=2.0)
         assert check.reasons == [named, ""]
+        # What leaps by more than a gust can needs no wind.
+        circled(check, lambda time: right(time) - 10.0, 105.0, 106.0, deviation=2.0)
+        assert check.reasons == ["jumped", ""]
 
 
 @pytest.mark.parametrize("error", [0.5, -1.5, 3.0])

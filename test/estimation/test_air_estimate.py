@@ -119,6 +119,18 @@ def test_a_heading_that_jumps_before_the_wind_is_known_is_taken_back():
             np.testing.assert_allclose(filter_.state.wind[:2], wind[:2], atol=0.3)
 
 
+@pytest.mark.parametrize("off", [8.0, -8.0])
+def test_an_airspeed_that_leaps_before_the_wind_is_known_is_left_out_until_it_leaps_back(off):
+    """No gust changes it as quickly, and by what it says the aircraft would stall."""
+    filter_, along, wind = AirFilter(), np.array([SPEED, 0.0, 0.0]), np.array([3.0, -5.0, 0.0])
+    for k in range(round(40.0 / STEP)):
+        wrong = 15.0 < k * STEP < 25.0
+        air = along * (SPEED + off * wrong) / SPEED
+        filter_.see(k * STEP, k * STEP * (along + wind), along + wind, air)
+        assert filter_.health.states["airspeed"] == ("jumped" if wrong else "used")
+        assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.5)
+
+
 def test_a_bias_of_the_ground_velocity_shows_beside_the_positions():
     filter_, _ = flown(20.0, bias=(2.0, -1.0, 0.5))
     np.testing.assert_allclose(filter_.state.bias, [2.0, -1.0, 0.5], atol=0.05)

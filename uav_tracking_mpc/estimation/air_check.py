@@ -45,7 +45,7 @@ from types import SimpleNamespace
 import casadi as ca
 
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
-from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN
+from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN, STEEPEST, SUDDEN
 from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.symbolic.layout import Layout
 
@@ -83,12 +83,12 @@ ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the oth
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them. Of both
 # sensors' own changes in m/s what is taken for noise so far, what is a jump, what lasts. By how
-# much in m/s an airspeed may be too high, and too low, that nobody has found wrong yet; and which
-# part of what lasts nothing else explains.
+# much in m/s an airspeed may be too high, and too low, that nobody has found wrong yet; which part
+# of what lasts nothing else explains; and by how much it has leapt while nothing was compared.
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=[PRIOR**2] * 4, offsets=[PRIOR**2] * 4,
     weight=2, explained=3, recent=3, moved=1, reading=[-1.0], stood=1, usual=1, gained=1, speed=1,
-    rough=2, own=2, drifted=2, doubts=2, unexplained=1,
+    rough=2, own=2, drifted=2, doubts=2, unexplained=1, leapt=1,
 )  # fmt: skip
 
 # The compass by the gyros
@@ -115,6 +115,7 @@ def air_checked(
     strayed: ca.SX,
     acceleration: ca.SX,
     stuck: ca.SX,
+    noise: ca.SX,
 ) -> tuple[SimpleNamespace, list[ca.SX], ca.SX, ca.SX]:
     """What is known after airspeed and heading, which of them is left out, and what the wind tells.
 
@@ -138,14 +139,22 @@ def air_checked(
         strayed: What the compass has turned by otherwise than the gyros measure, in [rad].
         acceleration: v' as commanded and flown in [m/s^2].
         stuck: Whether the heading is stuck.
+        noise: Standard deviation of the airspeed's noise in [m/s].
     """
     known = SimpleNamespace(**vars(known))
     gained = level * (reading - known.reading - elapsed * acceleration)
     along = air[0][0] * ca.cos(heading) + air[0][1] * ca.sin(heading)
     reason, is_heading = ca.vertsplit(known.reasons)
     was_silent = reason == CODE[SILENT]
-    reason = ca.if_else(was_silent, CODE[USED], reason)
     weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
+    # While nothing is compared the airspeed itself tells: no gust changes it as quickly.
+    leap = gained - level * known.gained
+    leaps = present * (known.reading >= 0.0) * ca.logic_not(was_silent) * (weight[AIRSPEED] == 0.0)
+    leaps *= ca.fabs(leap) > SUDDEN + STEEPEST * elapsed + DEVIATIONS * noise
+    known.leapt = (known.reasons[AIRSPEED] > 0.0) * known.leapt + leaps * leap
+    leapt = (ca.fabs(known.leapt) > RETURN * SUDDEN) * CODE[JUMPED]
+    leaps *= ca.logic_or(reason == CODE[USED], reason == CODE[JUMPED])
+    reason = ca.if_else(ca.logic_or(was_silent, leaps), leapt, reason)
     reason = _stuck(known, elapsed, reason, reading, along, acceleration)
     is_heading = repeated(ca.if_else(stuck, CODE[USED], is_heading), stuck)  # whatever else it was
     known.reasons = ca.vertcat(ca.if_else(present, reason, CODE[SILENT]), is_heading)

@@ -294,6 +294,7 @@ def _step() -> ca.Function:
         strayed,
         seen.rates[2],
         seen.stuck[0],
+        ca.fmax(ca.sqrt(known.aided.meters.held[2]), seen.noise[2]),
     )
     by_wind = turned, along / level
     heading = ca.if_else(out[1], by_wind[0], heading)
