@@ -201,10 +201,15 @@ class AirEstimate:
         before = self.found.states.copy()
         self._step.evaluate()
         self._memory[:] = self._step.results[0]
-        # A filter goes on from the one that no wrong sensor has come into.
+        # A filter goes on from the one that no wrong sensor has come into. An airspeed that fails
+        # before the wind is known without it leaves at once, and what it has told is worth more.
+        unknown = not self._known.air.weight[air_check.AIRSPEED]
         for state, earlier, lane in zip(self.found.states, before, LANES[1:], strict=False):
-            if state != earlier and state > CODE[SILENT]:
-                MEMORY.part("main", self._memory)[:] = MEMORY.part(lane, self._memory)
+            main, other = (MEMORY.part(name, self._memory) for name in ("main", lane))
+            if state > earlier and unknown and lane == LANES[NO_AIRSPEED]:
+                other[:] = main
+            elif state != earlier and state > CODE[SILENT]:
+                main[:] = other
         for sensor, state in zip(SENSORS, self.found.states, strict=True):
             self.health.states[sensor] = STATES[int(state)]
         if self.found.snapped[0]:
