@@ -125,7 +125,7 @@ def test_an_airspeed_that_leaps_before_the_wind_is_known_is_left_out_until_it_ag
     filter_, along, wind = AirFilter(), np.array([SPEED, 0.0, 0.0]), np.array([3.0, -5.0, 0.0])
     for k in range(round(40.0 / STEP)):
         wrong = 15.0 < k * STEP < 25.0
-        air = along * (SPEED + off * wrong) / SPEED
+        air = along * (SPEED + off * wrong + 0.01 * math.sin(k)) / SPEED
         filter_.see(k * STEP, k * STEP * (along + wind), along + wind, air)
         assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.5)
         if not 25.0 <= k * STEP <= 31.0:
