@@ -128,7 +128,7 @@ def test_an_airspeed_that_leaps_before_the_wind_is_known_is_left_out_until_it_ag
         air = along * (SPEED + off * wrong + 0.01 * math.sin(k)) / SPEED
         filter_.see(k * STEP, k * STEP * (along + wind), along + wind, air)
         assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.5)
-        if not 25.0 <= k * STEP <= 31.0:
+        if not 25.0 <= k * STEP <= 33.0:
             assert filter_.health.states["airspeed"] == ("jumped" if wrong else "used")
 
 
