@@ -244,7 +244,8 @@ class ResponseAdaptation:
         """
         lags, dead_times, gains = self.flown
         swings, going_on = self.oscillation.swings, self.oscillation.going_on
-        changed = self.softening.follow(time, swings, going_on, lags + dead_times, gains)
+        delays = (lags + dead_times).tolist()
+        changed = self.softening.follow(time, swings, going_on, delays, gains.tolist())
         return self.softening.factors if changed else None
 
     def follow(self, time: float) -> Response | None:

@@ -32,7 +32,7 @@ from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, USED, VELOCITY
-from uav_tracking_mpc.estimation.situation import FADE_TIME, KNOWN, Forecast, Situation, outlook
+from uav_tracking_mpc.estimation.situation import FADE_TIME, Forecast, Situation, outlook
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
@@ -323,24 +323,17 @@ class Navigator:
         pace = ASTRAY if states[VELOCITY] == USED else BY_WIND
         self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace
         known, times = self._outlook.arguments
-        KNOWN.fill(
-            known,
-            motion=track.state.reshape(-1),
-            variance=track.variance(2),
-            turn_rate=track.turn_rate,
-            travelled=travelled,
-            left=left,
-            faded=self._fading(time).reshape(-1),
-            wind=air.wind,
-            trend=air.trend,
-            gust=air.gust,
-            times=air.times,
-        )
-        times[1:] = self._stages + delay  # and now
+        faded = self._fading(time).reshape(-1).tolist()
+        of_air = [air.wind, air.trend, air.gust, air.times]
+        known[:] = [  # in the order of KNOWN
+            *track.state.reshape(-1).tolist(), track.variance(2), track.turn_rate,
+            travelled, left, *faded, *(value for part in of_air for value in part.tolist()),
+        ]  # fmt: skip
+        np.add(self._stages, delay, out=times[1:])  # the first one is now
         self._outlook.evaluate()
         ahead = self._outlook.results[0].reshape(-1, 3, 3).swapaxes(0, 1).copy()
         target, drift, drift_rate = ahead[:, 0]
-        present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
+        present = Situation(air.vehicle.copy(), target, drift, drift_rate, air.rates.copy())
         self.wind = air.wind + air.gust
         targets, drifts, drift_rates = ahead[:, 1:]
         forecast = Forecast(targets, drifts, drift_rates, float(air.walk[0]))

@@ -63,7 +63,7 @@ GAIN_LIMITS = 0.5, 1.6  # -, of a gain that is believed
 # a response that is lost in it is none.
 NOISE_FLOOR = 0.003, 0.003, 0.05
 CORRELATION_LIMIT = 0.98  # -, of successive residuals
-PLAUSIBLE = 10.0, 10.0, 1000.0  # rad/s, rad/s, m/s: beyond them a sensor is broken
+PLAUSIBLE = 10.0, 1000.0  # rad/s, m/s: beyond them a sensor is broken
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
 # -, -, s: near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it
 # takes to lag away afterwards: share of the limit that is measured, share that is asked for, time.
@@ -222,7 +222,7 @@ class ResponseEstimator:
         self._followed = np.arange(3) < commanded
         self._candidates = ResponseCandidates()
         # Time, time since the one before, what was measured, and whether it is of use
-        self._samples: list[tuple[float, float, list[float], NDArray[np.bool_]]] = []
+        self._samples: list[tuple[float, float, tuple[float, ...], tuple[bool, ...]]] = []
         # Of each candidate, and of what was measured as of one more: the response, what the high
         # pass lets through of it, sums of x x and x y; and of x with that of the next dead time.
         count = len(DEAD_TIMES) * len(LAGS)
@@ -275,8 +275,8 @@ class ResponseEstimator:
         elapsed = math.inf if self._time is None else time - self._time
         if 0.0 <= elapsed < SHORTEST_PERIOD:
             return
-        measured = [turn_rate, path_angle_rate, airspeed or 0.0]
-        if any(abs(value) > most for value, most in zip(measured, PLAUSIBLE, strict=True)):
+        quickest, fastest = PLAUSIBLE
+        if max(abs(turn_rate), abs(path_angle_rate)) > quickest or abs(airspeed or 0.0) > fastest:
             self.interrupt()
             return
         if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
@@ -288,8 +288,8 @@ class ResponseEstimator:
             return
         if abs(turn_rate) >= SATURATION * turn_rate_max:
             self._saturated = time
-        free = [time - self._saturated > RECOVERY, True, airspeed is not None]
-        usable = self._followed & free & (time - self._begun > BEGIN)
+        measured, begun = (turn_rate, path_angle_rate, airspeed or 0.0), time - self._begun > BEGIN
+        usable = begun and time - self._saturated > RECOVERY, begun, begun and airspeed is not None
         self._samples.append((time, elapsed, measured, usable))
         self._turn = (self._turn + 1) % (3 * REFINED_EVERY)
         if self._turn % REFINED_EVERY == 0:
@@ -304,6 +304,7 @@ class ResponseEstimator:
             return
         times, elapsed, measured, usable = map(np.array, zip(*self._samples, strict=True))
         self._samples.clear()
+        usable &= self._followed
         weights = usable & np.vstack([self._used, usable[:-1]])
         responses = self._candidates.at(times).reshape(len(times), 3, -1)
         responses = np.concatenate([responses, measured[:, :, np.newaxis]], axis=2)

@@ -27,6 +27,7 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -98,7 +99,7 @@ class Situation:
         """Velocity through the air, shape (3,), in [m/s]."""
         return velocity(self.vehicle)
 
-    @property
+    @cached_property
     def relative_velocity(self) -> NDArray[np.float64]:
         """Rate of :attr:`offset`: air velocity plus drift, shape (3,), in [m/s]."""
         return self.air_velocity + self.drift

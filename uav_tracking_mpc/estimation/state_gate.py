@@ -176,18 +176,21 @@ def _change(
     """
     step = after.stamp - before.stamp
     apart = after.position - before.position
-    if not apart.any() or not (before.placed and after.placed):
+    distance = math.hypot(*apart.tolist())
+    if not distance > 0.0:  # also where it is no number
         return step, 0.0
-    return step, min(math.hypot(*apart.tolist()), math.hypot(*(apart - flown).tolist()))
+    return step, min(distance, math.hypot(*(apart - flown).tolist()))
 
 
 def _repeats(before: Measurement, after: Measurement) -> bool:
     """Whether nothing has changed but the stamp, though the aircraft moves: nobody measures."""
-    told, again = (
-        (each.heading, each.path_angle, each.position.tolist(), each.ground_velocity.tolist())
-        for each in (before, after)
+    return (
+        before.heading == after.heading
+        and before.path_angle == after.path_angle
+        and before.position.tolist() == after.position.tolist()
+        and before.ground_velocity.tolist() == after.ground_velocity.tolist()
+        and any(after.ground_velocity.tolist())
     )
-    return told == again and any(after.ground_velocity.tolist())
 
 
 def _explained(measurement: Measurement, step: float) -> float:
