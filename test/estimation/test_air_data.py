@@ -28,9 +28,10 @@ from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, STUCK
 
 def data(**known):
     """Beside an estimate that has found this."""
-    found = FOUND.begin.copy()
-    FOUND.fill(found, **known)
-    return AirData(0.5, FOUND.parts(found))
+    found = FOUND.parts(FOUND.begin.copy())
+    for name, value in known.items():
+        getattr(found, name)[:] = value
+    return AirData(0.5, found)
 
 
 def measurement(**more):

@@ -149,13 +149,10 @@ class ResponseAdaptation:
         told = parameters.flown_by(parameters.response)
         return None if np.array_equal(self.flown, told) else self.flown
 
-    def delay(self, axis: int) -> float:
-        """Lag plus dead time that a channel is flown by, in [s].
-
-        Args:
-            axis: 0 for u_psi, 1 for u_chi, 2 for u_v.
-        """
-        return float(self.flown.lags[axis] + self.flown.dead_times[axis])
+    @property
+    def delays(self) -> list[float]:
+        """Lag plus dead time that each channel is flown by, in [s]."""
+        return (self.flown.lags + self.flown.dead_times).tolist()  # type: ignore[no-any-return]
 
     def see(
         self,
@@ -222,7 +219,7 @@ class ResponseAdaptation:
         if sent is None:
             return
         stamp, delay, plan, step, forced = sent
-        delays = (self.flown.lags + self.flown.dead_times).tolist()
+        delays = self.delays
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
             if seen is not None and airspeed_measured and self._told.law == PREDICTIVE:
@@ -242,10 +239,9 @@ class ResponseAdaptation:
         Returns:
             None if they stay.
         """
-        lags, dead_times, gains = self.flown
         swings, going_on = self.oscillation.swings, self.oscillation.going_on
-        delays = (lags + dead_times).tolist()
-        changed = self.softening.follow(time, swings, going_on, delays, gains.tolist())
+        gains = self.flown.gains.tolist()
+        changed = self.softening.follow(time, swings, going_on, self.delays, gains)
         return self.softening.factors if changed else None
 
     def follow(self, time: float) -> Response | None:

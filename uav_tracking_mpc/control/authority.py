@@ -226,8 +226,8 @@ class Authority:
         if side != self._side:
             self._bank.interrupt()
             self._side = side
-        turns = inputs[0], measurement.turn_rate
-        asked, given = (-side * bank_from_turn_rate(rate, airspeed) for rate in turns)
+        asked = -side * bank_from_turn_rate(inputs[0], airspeed)
+        given = -side * bank_from_turn_rate(measurement.turn_rate, airspeed)
         found = self._bank.see(time, asked, (given, given), told.bank_max, delays[0])
         # By the velocity over ground as well, for a gust changes the airspeed at once.
         along, ground = air_velocity(heading, path_angle, 1.0, math), measurement.ground_velocity

@@ -133,8 +133,9 @@ class AirData:
         if stamp != self._latest:
             self._compare(measurement, min(stamp - self._latest, self.timeout), height_noise)
             self._before, self._latest = self._latest, stamp
-        near = any(abs(each - self._stamp) <= self.timeout for each in (stamp, self._before))
-        if airspeed is None and near:
+        if airspeed is None and any(
+            abs(each - self._stamp) <= self.timeout for each in (stamp, self._before)
+        ):
             airspeed = self._airspeed
         east, north, up = measurement.ground_velocity.tolist()
         speed = math.hypot(east, north, up)
@@ -146,9 +147,9 @@ class AirData:
         self._first = min(self._first, stamp) if self.missing else -math.inf
         self.awaited = self.missing and stamp - self._first < self.timeout
         held = self.holds_altitude and not (self.missing or self._failed)
-        heading_stuck, bank_stuck, velocity_stuck, *climbs_stuck = (
+        heading_stuck, bank_stuck, velocity_stuck, *climbs_stuck = [
             stuck for *_, stuck in self._repeated
-        )
+        ]
         climb_stuck = any(climbs_stuck)
         plausible = self._plausible(expected, airspeed)
         attitude = replace(measurement, bank=None) if bank_stuck else measurement

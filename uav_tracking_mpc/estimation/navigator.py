@@ -222,19 +222,23 @@ class Navigator:
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
-        below = f"the aircraft is {self._below:.0f} m below the target: z must be positive up (ENU)"
         excess = float(self.air_estimate.state.alpha[0])
         much = "much" if excess > 0.0 else "little"
-        off = f"the airspeed reads too {much} by more than {TOLD_EXCESS:.0%}: it is corrected"
         concerns = [
             *self.air.concerns(self._estimating),
-            (self._below > BELOW, below),
-            (abs(excess) > TOLD_EXCESS, off),
+            (
+                self._below > BELOW,
+                f"the aircraft is {self._below:.0f} m below the target: z must be positive up "
+                "(ENU)",
+            ),
+            (
+                abs(excess) > TOLD_EXCESS,
+                f"the airspeed reads too {much} by more than {TOLD_EXCESS:.0%}: it is corrected",
+            ),
         ]
-        holding = {which for which, (holds, _) in enumerate(concerns) if holds}
-        news = [concerns[which][1] for which in sorted(holding - self._told)]
-        self._told |= holding
-        return [*news, *self.air_estimate.health.news()]
+        new = {which for which, (holds, _) in enumerate(concerns) if holds} - self._told
+        self._told |= new
+        return [*(concerns[which][1] for which in sorted(new)), *self.air_estimate.health.news()]
 
     def see_target(
         self,
@@ -324,10 +328,10 @@ class Navigator:
         self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace
         known, times = self._outlook.arguments
         faded = self._fading(time).reshape(-1).tolist()
-        of_air = [air.wind, air.trend, air.gust, air.times]
         known[:] = [  # in the order of KNOWN
             *track.state.reshape(-1).tolist(), track.variance(2), track.turn_rate,
-            travelled, left, *faded, *(value for part in of_air for value in part.tolist()),
+            travelled, left, *faded,
+            *air.wind.tolist(), *air.trend.tolist(), *air.gust.tolist(), *air.times.tolist(),
         ]  # fmt: skip
         np.add(self._stages, delay, out=times[1:])  # the first one is now
         self._outlook.evaluate()

@@ -45,10 +45,10 @@ CHANNELS = ("turn rate", "path-angle rate", "acceleration")
 LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0])  # s
 DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 1.55, 0.1)])  # s
 ACCELERATION = 2  # channel of u_v; its integral, the airspeed, is what is measured
-_TAU = np.maximum(LAGS, 1e-4)  # s
+_DECAY = -1.0 / np.maximum(LAGS, 1e-4)  # 1/s
 # By channel and lag, how far a step of the inputs is from being followed at its beginning: all of
 # it, and of the airspeed what is gained until it is.
-_LACKING = np.array([np.ones(len(LAGS)), np.ones(len(LAGS)), -_TAU])  # -, -, s
+_LACKING = np.array([np.ones(len(LAGS)), np.ones(len(LAGS)), 1.0 / _DECAY])  # -, -, s
 
 # The sum of lag and dead time, or the lag alone, is trusted below the first deviation and until the
 # second: what it is off by adds to the phase. The gain likewise.
@@ -63,7 +63,7 @@ GAIN_LIMITS = 0.5, 1.6  # -, of a gain that is believed
 # a response that is lost in it is none.
 NOISE_FLOOR = 0.003, 0.003, 0.05
 CORRELATION_LIMIT = 0.98  # -, of successive residuals
-PLAUSIBLE = 10.0, 1000.0  # rad/s, m/s: beyond them a sensor is broken
+QUICKEST, FASTEST = 10.0, 1000.0  # rad/s, m/s: beyond them a sensor is broken
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
 # -, -, s: near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it
 # takes to lag away afterwards: share of the limit that is measured, share that is asked for, time.
@@ -181,7 +181,7 @@ class ResponseCandidates:
         delayed = times[:, np.newaxis] - DEAD_TIMES
         which = np.maximum(begins.searchsorted(delayed, side="right") - 1, 0)
         since = np.maximum(delayed - begins[which], 0.0)[..., np.newaxis]
-        left = np.exp(since / -_TAU)[:, :, np.newaxis]
+        left = np.exp(since * _DECAY)[:, :, np.newaxis]
         responses = steady[which] + left * lacking[which]
         responses[:, :, ACCELERATION] += held[which, ACCELERATION, np.newaxis] * since
         del self._pieces[: which[-1, -1]]
@@ -191,11 +191,9 @@ class ResponseCandidates:
         """The present plan's segments up to a time, which is past the last change."""
         sent, begin, inputs, step = self._plan
         last = max(self._pieces[-1][0], sent)
-        for segment in range(1, len(inputs)):
+        for segment in range(1, min(int((time - begin) / step) + 2, len(inputs))):
             change = begin + segment * step
-            if change > time:
-                break
-            if change > last:
+            if last < change <= time:
                 self._change(change, inputs[segment])
 
     def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
@@ -204,7 +202,7 @@ class ResponseCandidates:
         since, step = time - begin, (held - inputs)[:, np.newaxis] * _LACKING
         steady = steady - step
         steady[ACCELERATION] += held[ACCELERATION] * since
-        self._pieces.append((time, inputs, steady, np.exp(since / -_TAU) * lacking + step))
+        self._pieces.append((time, inputs, steady, np.exp(since * _DECAY) * lacking + step))
 
 
 class ResponseEstimator:
@@ -275,8 +273,7 @@ class ResponseEstimator:
         elapsed = math.inf if self._time is None else time - self._time
         if 0.0 <= elapsed < SHORTEST_PERIOD:
             return
-        quickest, fastest = PLAUSIBLE
-        if max(abs(turn_rate), abs(path_angle_rate)) > quickest or abs(airspeed or 0.0) > fastest:
+        if max(abs(turn_rate), abs(path_angle_rate)) > QUICKEST or abs(airspeed or 0.0) > FASTEST:
             self.interrupt()
             return
         if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
@@ -308,8 +305,8 @@ class ResponseEstimator:
         weights = usable & np.vstack([self._used, usable[:-1]])
         responses = self._candidates.at(times).reshape(len(times), 3, -1)
         responses = np.concatenate([responses, measured[:, :, np.newaxis]], axis=2)
-        steps = np.diff(responses, axis=0, prepend=self._before[np.newaxis])
-        passed = weights[:, :, np.newaxis] * steps
+        passed = np.diff(responses, axis=0, prepend=self._before[np.newaxis])
+        passed *= weights[:, :, np.newaxis]
         kept = np.exp(elapsed / -WASHOUT)
         for before, after, share in zip([self._passed, *passed], passed, kept, strict=False):
             after += before

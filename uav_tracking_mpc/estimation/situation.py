@@ -28,6 +28,7 @@ import functools
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -124,8 +125,7 @@ class Situation:
         return np.array([range_, bearing, altitude, path_angle, airspeed - orbit.speed])
 
 
-@dataclass(frozen=True)
-class Forecast:
+class Forecast(NamedTuple):
     """Target and drift at the stages 0..N of a plan.
 
     Attributes:
