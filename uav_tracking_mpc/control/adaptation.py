@@ -283,10 +283,10 @@ class ResponseAdaptation:
         after = np.array(self._told.vehicle.with_lags(after).lags)  # a model may have its own
         left = np.maximum(delays - after, 0.0)
         apart = np.maximum(np.abs(after - told.lags), np.abs(left - told.dead_times))
-        cases = [off < ROUNDING, apart < ROUNDING]
+        stays, arrived = off < ROUNDING, apart < ROUNDING
         self._learnt = Response(
-            np.select(cases, [lags, told.lags], after),
-            np.select(cases, [dead_times, told.dead_times], left),
+            np.where(stays, lags, np.where(arrived, told.lags, after)),
+            np.where(stays, dead_times, np.where(arrived, told.dead_times, left)),
             gains + np.clip(wanted_gains - gains, -most, most),
         )
 

@@ -136,8 +136,8 @@ class Ceiling:
             return False
         self._followed += followed(elapsed, delay) * (asked - self._followed)
         self._time = time
-        new = 1.0, self._followed, *given
-        self._sums = [sum_ + elapsed * value for sum_, value in zip(self._sums, new, strict=True)]
+        values = zip(self._sums, (1.0, self._followed, *given), strict=True)
+        self._sums = [sum_ + elapsed * value for sum_, value in values]
         self._peak = max(self._peak, *given)
         lasted, wanted, *had = self._sums
         lacks = wanted - max(had) >= self._scale.missing + math.sqrt(gusts * lasted)

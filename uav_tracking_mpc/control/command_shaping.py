@@ -328,6 +328,6 @@ class CommandShaper:
 
     def _clipped(self, inputs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Inputs inside their limits; what is not finite becomes 0."""
-        if not math.isfinite(inputs.sum()):
+        if not math.isfinite(np.vdot(inputs, inputs)):  # finite only if each of them is
             inputs = np.where(np.isfinite(inputs), inputs, 0.0)
         return np.minimum(np.maximum(inputs, self._lower), self._upper)

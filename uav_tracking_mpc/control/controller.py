@@ -439,7 +439,7 @@ class Controller:
                 plan = self.formulation.solve(*where, elapsed)
             except Exception as error:  # whatever a limit or model of somebody's raises
                 trouble = f"the controller failed: {error}"
-            if plan is not None and not math.isfinite(plan.inputs.sum()):
+            if plan is not None and not math.isfinite(np.vdot(plan.inputs, plan.inputs)):
                 trouble, plan = f"the plan is not finite: {plan.solution.message}", None
         left = self._plan.remaining(stamp, self.parameters.plan_age_max)
         solution = None if plan is None else plan.solution

@@ -166,12 +166,11 @@ class OscillationReport:
 
         None where the target swings so much itself that the aircraft must.
         """
-        turn, climb = (watch.swing for watch in self._watches)
-        return self._own(turn), self._own(climb)
-
-    def _own(self, swing: Swing | None) -> Swing | None:
-        """An oscillation that the target does not cause."""
-        return None if swing is None or self._forced > FORCED * swing.amplitude else swing
+        turn, climb = [
+            None if swing is None or self._forced > FORCED * swing.amplitude else swing
+            for swing in [watch.swing for watch in self._watches]
+        ]
+        return turn, climb
 
     @property
     def going_on(self) -> tuple[bool, bool]:

@@ -264,5 +264,11 @@ def orbit_about(
     radius = math.sqrt(max(range_**2 - altitude**2, 0.0))
     centre = np.array(target, dtype=float)
     centre[2] += altitude
-    moves = np.array(velocity, dtype=float)
-    return FlownOrbit(centre, moves, orbit.sense * radius, airspeed, airspeed_now, surplus)
+    return FlownOrbit(
+        centre,
+        np.array(velocity, dtype=float),
+        orbit.sense * radius,
+        airspeed,
+        airspeed_now,
+        surplus,
+    )

@@ -257,28 +257,21 @@ class AirData:
         gusts = 0.0 if self._failed else GUSTS
         return min(max(airspeed, expected - gusts), expected + gusts)
 
-    def concerns(self, wind_known: bool = False) -> list[tuple[bool, str]]:
-        """What may be taken otherwise than it is measured: whether it is, and what to say.
+    def concerns(self, wind_known: bool = False) -> dict[str, bool]:
+        """What may be taken otherwise than it is measured, in words, and whether it is.
 
         Args:
             wind_known: Whether the wind stands in for an airspeed that is missing.
         """
-        return [
-            (
-                self._mirrored > MIRRORED_FOR,
-                "the heading looks as if it counted from North to East: it must count from East "
-                "to North (ENU)",
+        unknown = self.missing and not self.awaited and not wind_known
+        return {
+            "the heading looks as if it counted from North to East: it must count from East to "
+            "North (ENU)": self._mirrored > MIRRORED_FOR,
+            "the nose turns against the bank: the attitude is taken for the direction flown": (
+                self._path.contradicted
             ),
-            (
-                self._path.contradicted,
-                "the nose turns against the bank: the attitude is taken for the direction flown",
+            "the bank is stuck: the attitude is taken for the direction flown": (
+                self._repeated[1][-1]
             ),
-            (
-                self._repeated[1][-1],
-                "the bank is stuck: the attitude is taken for the direction flown",
-            ),
-            (
-                self.missing and not self.awaited and not wind_known,
-                "no airspeed is measured: the air is taken as still",
-            ),
-        ]
+            "no airspeed is measured: the air is taken as still": unknown,
+        }

@@ -169,9 +169,8 @@ class AirEstimate:
         """
         noise, placed = measurement.noise, measurement.placed
         position = (vehicle[:3] if placed else self._known.main.state[P]).tolist()
-        heading, path_angle, airspeed = vehicle[3:].tolist()
-        if missing:
-            heading, path_angle = measurement.heading, measurement.path_angle
+        by_source = measurement.heading, measurement.path_angle
+        heading, path_angle = by_source if missing else vehicle[3:5].tolist()
         scales = gust_scales(position[2] - ground, 0.0)
         elapsed = -1.0 if self._time is None else measurement.stamp - self._time
         begins = not 0.0 <= elapsed <= LONGEST_GAP
@@ -180,7 +179,7 @@ class AirEstimate:
         # In the order of SEEN: to write a part by its name takes five times as long.
         self._told[:] = [
             0.0 if begins else elapsed, *position, placed, *measurement.ground_velocity.tolist(),
-            heading, path_angle, airspeed, not missing, *rates.tolist(),
+            heading, path_angle, vehicle[5], not missing, *rates.tolist(),
             nose is None, nose is None, True,
             *(nose or (measurement.heading, measurement.turn_rate)), *stuck,
             noise.heading, noise.path_angle, noise.airspeed, *noise.position, *noise.velocity,

@@ -189,7 +189,7 @@ class Navigator:
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = self._astray = self._below = 0.0
-        self._told: set[int] = set()  # which concerns have been told
+        self._told: set[str] = set()  # concerns
         self._time: float | None = None
 
     @property
@@ -223,22 +223,18 @@ class Navigator:
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
         excess = float(self.air_estimate.state.alpha[0])
-        much = "much" if excess > 0.0 else "little"
-        concerns = [
-            *self.air.concerns(self._estimating),
-            (
-                self._below > BELOW,
-                f"the aircraft is {self._below:.0f} m below the target: z must be positive up "
-                "(ENU)",
+        concerns = self.air.concerns(self._estimating) | {
+            "the aircraft is {0:.0f} m below the target: z must be positive up (ENU)": (
+                self._below > BELOW
             ),
-            (
-                abs(excess) > TOLD_EXCESS,
-                f"the airspeed reads too {much} by more than {TOLD_EXCESS:.0%}: it is corrected",
+            "the airspeed reads too {1} by more than {2:.0%}: it is corrected": (
+                abs(excess) > TOLD_EXCESS
             ),
-        ]
-        new = {which for which, (holds, _) in enumerate(concerns) if holds} - self._told
-        self._told |= new
-        return [*(concerns[which][1] for which in sorted(new)), *self.air_estimate.health.news()]
+        }
+        new = [words for words, holds in concerns.items() if holds and words not in self._told]
+        self._told.update(new)
+        numbers = self._below, "much" if excess > 0.0 else "little", TOLD_EXCESS
+        return [*(words.format(*numbers) for words in new), *self.air_estimate.health.news()]
 
     def see_target(
         self,

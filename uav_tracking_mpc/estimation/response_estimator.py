@@ -192,8 +192,7 @@ class ResponseCandidates:
         sent, begin, inputs, step = self._plan
         last = max(self._pieces[-1][0], sent)
         for segment in range(1, min(int((time - begin) / step) + 2, len(inputs))):
-            change = begin + segment * step
-            if last < change <= time:
+            if last < (change := begin + segment * step) <= time:
                 self._change(change, inputs[segment])
 
     def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
@@ -235,7 +234,8 @@ class ResponseEstimator:
 
     def interrupt(self) -> None:
         """Forget commands and times, keep what has been learnt."""
-        self._take_in()
+        if self._samples:
+            self._take_in()
         self._time: float | None = None
         self._commanded = False
         self._used = np.zeros(3, dtype=bool)
@@ -297,12 +297,9 @@ class ResponseEstimator:
 
     def _take_in(self) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""
-        if not self._samples:
-            return
         times, elapsed, measured, usable = map(np.array, zip(*self._samples, strict=True))
         self._samples.clear()
-        usable &= self._followed
-        weights = usable & np.vstack([self._used, usable[:-1]])
+        weights = self._followed & usable & np.vstack([self._used, usable[:-1]])
         responses = self._candidates.at(times).reshape(len(times), 3, -1)
         responses = np.concatenate([responses, measured[:, :, np.newaxis]], axis=2)
         passed = np.diff(responses, axis=0, prepend=self._before[np.newaxis])
@@ -316,25 +313,26 @@ class ResponseEstimator:
         until = np.cumsum(elapsed)[:, np.newaxis]
         remembered, forgotten = np.exp((until - until[-1]) / MEMORY), np.exp(until[-1] / -MEMORY)
         weighed = (weights * remembered)[:, :, np.newaxis] * passed
-        y = passed[:, :, -1]
         next_dead_time = weighed[:, :, : -1 - len(LAGS)] * passed[:, :, len(LAGS) : -1]
         self._power = forgotten * self._power + (weighed * passed).sum(0)
-        self._product = forgotten * self._product + (weighed * y[:, :, np.newaxis]).sum(0)
+        self._product = forgotten * self._product + (weighed * passed[:, :, -1:]).sum(0)
         self._following = forgotten * self._following + next_dead_time.sum(0)
-        residual = weights * (y - self._gains * passed[:, range(3), self._nearest])
+        found = self._gains * passed[:, range(3), self._nearest]
+        residual = weights * (passed[:, :, -1] - found)
         successive = residual * np.vstack([self._residual, residual[:-1]])
-        new = np.sum(remembered * (weights, successive, residual**2), axis=1)
-        self._sums, self._residual = forgotten * self._sums + new, residual[-1]
+        new = remembered * (weights, successive, residual**2)
+        self._sums, self._residual = forgotten * self._sums + new.sum(1), residual[-1]
 
     def _refined(self, axis: int) -> ChannelResponse:
         """Minimum of J and its curvature."""
-        grid = -1, len(LAGS)
-        power, product = self._power[axis, :-1].reshape(grid), self._product[axis, :-1]
+        power, product, following = (
+            sums[axis, : len(DEAD_TIMES) * len(LAGS)].reshape(-1, len(LAGS))
+            for sums in (self._power, self._product, self._following)
+        )
         weight, successive, squared = self._sums[:, axis].tolist()
         if not power.any():
             return ChannelResponse()
-        following = self._following[axis].reshape(grid)
-        dead_times, gains, explained, bends = _between(power, product.reshape(grid), following)
+        dead_times, gains, explained, bends = _between(power, product, following)
         valley = self._power[axis, -1] - explained
         # Along the valley, over the lag.
         best = min(max(int(np.argmin(valley)), 1), len(LAGS) - 2)
@@ -411,9 +409,9 @@ def _minimum(
 ) -> tuple[float, float, float]:
     """Of the parabola through three points, inside of them: where, how much, second derivative."""
     left, middle, right = points.tolist()
-    _, slope, bend = _parabola(points, values, middle)
+    there, slope, bend = _parabola(points, values, middle)
     where = min(max(middle - slope / bend, left), right) if bend > 0.0 else middle
-    there, _, _ = _parabola(points, values, where)
+    there += (where - middle) * (slope + 0.5 * (where - middle) * bend)
     # At the edge of the grid the cost may bend the other way.
     least = 2.0 * abs(float(values[2] - values[0])) / (right - left) ** 2
     return where, there, max(bend, least)
