@@ -71,7 +71,9 @@ class ResponseAdaptation:
         self._stamp = 0.0
         self._learns_from = -math.inf  # s
         self._seen: tuple[Measurement, bool, float] | None = None  # not yet learnt from; so is
-        self._sent: tuple[float, float, NDArray[np.float64], float, float] | None = None
+        self._sent: tuple[float, float, NDArray[np.float64], float, float, list[float]] | None = (
+            None
+        )
         self._begin()
 
     @property
@@ -196,8 +198,9 @@ class ResponseAdaptation:
         Returns:
             What the aircraft makes of it at its gain, shape (n, 3).
         """
-        self._sent = stamp, delay, plan, step, forced
-        return plan * self.flown.gains
+        flown = plan * self.flown.gains
+        self._sent = stamp, delay, plan, step, forced, flown[0].tolist()
+        return flown
 
     def learn(self) -> None:
         """Learn from the latest measurement and plan.
@@ -218,14 +221,17 @@ class ResponseAdaptation:
             )
         if sent is None:
             return
-        stamp, delay, plan, step, forced = sent
+        stamp, delay, plan, step, forced, inputs = sent
         delays = self.delays
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
-            if seen is not None and airspeed_measured and self._told.law == PREDICTIVE:
-                inputs = (plan[0] * self.flown.gains).tolist()
-                if self._authority.see(measurement, self._air, inputs, self._told, delays, gusts):
-                    self.limited = self._authority.within(self._told)
+            told, by_airspeed = self._told, seen is not None and airspeed_measured
+            if (
+                by_airspeed
+                and told.law == PREDICTIVE
+                and self._authority.see(measurement, self._air, inputs, told, delays, gusts)
+            ):
+                self.limited = self._authority.within(told)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()
             self.oscillation.see(stamp, rates, airspeed, self.estimator.channels, delays, forced)

@@ -148,7 +148,7 @@ class AirData:
         self.awaited = self.missing and stamp - self._first < self.timeout
         held = self.holds_altitude and not (self.missing or self._failed)
         heading_stuck, bank_stuck, velocity_stuck, *climbs_stuck = [
-            stuck for *_, stuck in self._repeated
+            each[-1] for each in self._repeated
         ]
         climb_stuck = any(climbs_stuck)
         plausible = self._plausible(expected, airspeed)

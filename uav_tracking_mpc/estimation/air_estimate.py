@@ -169,8 +169,9 @@ class AirEstimate:
         """
         noise, placed = measurement.noise, measurement.placed
         position = (vehicle[:3] if placed else self._known.main.state[P]).tolist()
-        by_source = measurement.heading, measurement.path_angle
-        heading, path_angle = by_source if missing else vehicle[3:5].tolist()
+        heading, path_angle = (
+            (measurement.heading, measurement.path_angle) if missing else vehicle[3:5].tolist()
+        )
         scales = gust_scales(position[2] - ground, 0.0)
         elapsed = -1.0 if self._time is None else measurement.stamp - self._time
         begins = not 0.0 <= elapsed <= LONGEST_GAP

@@ -75,9 +75,8 @@ class CommandHistory:
 
     def __init__(self, memory: float) -> None:
         self.memory = memory
-        # When each was sent and begins, its inputs and its step. The numbers of a list are read ten
-        # times as fast as those of an array.
-        self._plans: deque[tuple[float, float, list[list[float]], float]] = deque()
+        # When each was sent and begins, its inputs and its step
+        self._plans: deque[tuple[float, float, NDArray[np.float64], float]] = deque()
 
     def add(self, sent: float, begin: float, inputs: NDArray[np.float64], step: float) -> None:
         """Record a plan that takes effect when it is sent.
@@ -90,7 +89,7 @@ class CommandHistory:
         """
         while self._plans and self._plans[-1][0] > sent:
             self._plans.pop()  # never flown: a clock that stood ahead has gone back
-        self._plans.append((sent, begin, inputs.tolist(), step))
+        self._plans.append((sent, begin, inputs, step))
         while len(self._plans) > 1 and self._plans[1][0] <= sent - self.memory:
             self._plans.popleft()
 
@@ -108,7 +107,7 @@ class CommandHistory:
         """
         for sent, begin, inputs, step in reversed(self._plans):
             if sent <= time:
-                return inputs[min(int((time - begin) / step), len(inputs) - 1)][axis]
+                return inputs.item(min(int((time - begin) / step), len(inputs) - 1), axis)
         return 0.0
 
 
@@ -227,14 +226,16 @@ class Navigator:
             "the aircraft is {0:.0f} m below the target: z must be positive up (ENU)": (
                 self._below > BELOW
             ),
-            "the airspeed reads too {1} by more than {2:.0%}: it is corrected": (
+            f"the airspeed reads too {{1}} by more than {TOLD_EXCESS:.0%}: it is corrected": (
                 abs(excess) > TOLD_EXCESS
             ),
         }
         new = [words for words, holds in concerns.items() if holds and words not in self._told]
         self._told.update(new)
-        numbers = self._below, "much" if excess > 0.0 else "little", TOLD_EXCESS
-        return [*(words.format(*numbers) for words in new), *self.air_estimate.health.news()]
+        return [
+            *(words.format(self._below, "much" if excess > 0.0 else "little") for words in new),
+            *self.air_estimate.health.news(),
+        ]
 
     def see_target(
         self,

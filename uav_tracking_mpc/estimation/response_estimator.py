@@ -146,8 +146,9 @@ class ResponseCandidates:
         flown[:ACCELERATION] = held[:ACCELERATION, np.newaxis]
         # Of each piece: when it begins, the inputs, a and c by channel and lag
         self._pieces = [(time, held, flown, np.zeros_like(flown))]
-        # When it was sent and begins, its inputs and its step: segments from before are none
-        self._plan, self.end = (time, time, held[np.newaxis], 1.0), time
+        # When each was sent and begins, its inputs and its step: the one that is flown, of which
+        # segments from before are none, and those that have come since.
+        self._plans, self.end = [(time, time, held[np.newaxis], 1.0)], time
 
     def commanded(
         self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
@@ -160,10 +161,8 @@ class ResponseCandidates:
             inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
             step: Length of a segment in [s].
         """
-        self._follow_plan(sent)
-        self._plan, self.end = (sent, begin, inputs, step), begin + step * len(inputs)
-        segment = min(max(int((sent - begin) / step), 0), len(inputs) - 1)
-        self._change(max(sent, self._pieces[-1][0]), inputs[segment])
+        self._plans.append((sent, begin, inputs, step))
+        self.end = begin + step * len(inputs)
 
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Responses at times: turn rate, path-angle rate, and the airspeed that was gained.
@@ -176,7 +175,7 @@ class ResponseCandidates:
         Returns:
             Shape (n, 3, dead times, lags), in [rad/s], [rad/s], [m/s].
         """
-        self._follow_plan(float(times[-1]))
+        self._follow_plans(float(times[-1]))
         begins, held, steady, lacking = map(np.array, zip(*self._pieces, strict=True))
         delayed = times[:, np.newaxis] - DEAD_TIMES
         which = np.maximum(begins.searchsorted(delayed, side="right") - 1, 0)
@@ -187,13 +186,17 @@ class ResponseCandidates:
         del self._pieces[: which[-1, -1]]
         return responses.swapaxes(1, 2)
 
-    def _follow_plan(self, time: float) -> None:
-        """The present plan's segments up to a time, which is past the last change."""
-        sent, begin, inputs, step = self._plan
-        last = max(self._pieces[-1][0], sent)
-        for segment in range(1, min(int((time - begin) / step) + 2, len(inputs))):
-            if last < (change := begin + segment * step) <= time:
-                self._change(change, inputs[segment])
+    def _follow_plans(self, time: float) -> None:
+        """What has been flown up to a time, which is past the last change."""
+        ends = [*(sent for sent, *_ in self._plans[1:]), time]
+        for number, (sent, begin, inputs, step) in enumerate(self._plans):
+            last, end = max(self._pieces[-1][0], sent), ends[number]
+            if number > 0:  # it is not the one that is flown
+                self._change(last, inputs[min(max(int((sent - begin) / step), 0), len(inputs) - 1)])
+            for segment in range(1, min(int((end - begin) / step) + 2, len(inputs))):
+                if last < (change := begin + segment * step) <= end:
+                    self._change(change, inputs[segment])
+        del self._plans[:-1]
 
     def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
         """Other inputs are flown from a time on, not before the last change."""
@@ -320,8 +323,10 @@ class ResponseEstimator:
         found = self._gains * passed[:, range(3), self._nearest]
         residual = weights * (passed[:, :, -1] - found)
         successive = residual * np.vstack([self._residual, residual[:-1]])
-        new = remembered * (weights, successive, residual**2)
-        self._sums, self._residual = forgotten * self._sums + new.sum(1), residual[-1]
+        self._sums, self._residual = (
+            forgotten * self._sums + (remembered * (weights, successive, residual**2)).sum(1),
+            residual[-1],
+        )
 
     def _refined(self, axis: int) -> ChannelResponse:
         """Minimum of J and its curvature."""

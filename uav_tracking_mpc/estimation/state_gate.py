@@ -117,8 +117,11 @@ class StateGate:
         moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
         # A gap that a clock has seen as well is one of the messages, not of the stamps. Simulated
         # time may pass many times as fast as that of the steady clock.
-        ahead = step, abs(step - waited), self._ahead(measurement.stamp, now)
-        ordinary = step > 0.0 and any(one <= self.timeout for one in ahead)
+        ordinary = step > 0.0 and (
+            step <= self.timeout
+            or abs(step - waited) <= self.timeout
+            or self._ahead(measurement.stamp, now) <= self.timeout
+        )
         if ordinary and not moved:
             return self._believe(measurement, arrival, now, Verdict.USE)
         if step < 0.0:

@@ -66,9 +66,13 @@ class Lagged(VehicleModel):
             after all of it, for each of the three rates, shape (9,).
         """
         half = [math.exp(-0.5 * duration / tau) if tau > 0.0 else 0.0 for tau in self.rate_lag]
-        whole = [share * share for share in half]
-        pairs = [*zip(self.rate_lag, half, strict=True), *zip(self.rate_lag, whole, strict=True)]
-        return np.array([*[tau * (1.0 - share) for tau, share in pairs], *whole])
+        whole = [share**2 for share in half]
+        led = [
+            tau * (1.0 - share)
+            for shares in (half, whole)
+            for tau, share in zip(self.rate_lag, shares, strict=True)
+        ]
+        return np.array([*led, *whole])
 
     @property
     def lags(self) -> NDArray[np.float64]:
