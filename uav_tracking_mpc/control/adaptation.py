@@ -225,13 +225,13 @@ class ResponseAdaptation:
         delays = self.delays
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
-            told, by_airspeed = self._told, seen is not None and airspeed_measured
             if (
-                by_airspeed
-                and told.law == PREDICTIVE
-                and self._authority.see(measurement, self._air, inputs, told, delays, gusts)
+                seen is not None
+                and airspeed_measured
+                and self._told.law == PREDICTIVE
+                and self._authority.see(measurement, self._air, inputs, self._told, delays, gusts)
             ):
-                self.limited = self._authority.within(told)
+                self.limited = self._authority.within(self._told)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()
             self.oscillation.see(stamp, rates, airspeed, self.estimator.channels, delays, forced)

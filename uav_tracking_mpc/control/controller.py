@@ -498,8 +498,9 @@ class Controller:
         if now is not None:  # the drift is the wind less the target's velocity
             ends = self._plan.orbit if mode.planned else None
             speed = max(0.0, now.airspeed)  # in this order 0 for no number
-            velocity = self.navigator.wind - now.drift
-            flown = orbit_about(now.target, velocity, self.orbit, ends, speed, surplus)
+            flown = orbit_about(
+                now.target, self.navigator.wind - now.drift, self.orbit, ends, speed, surplus
+            )
         return Command(stamp, inputs, step, mode, reason, self.orbit, plan, now, flown)
 
     def _select(self, available: Available) -> FallbackMode:

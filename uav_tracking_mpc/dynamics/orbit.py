@@ -258,14 +258,12 @@ def orbit_about(
         airspeed_now: See :class:`FlownOrbit`.
         surplus: Likewise.
     """
-    range_, altitude, airspeed = orbit.range, orbit.altitude, orbit.speed
-    if shape is not None:
-        range_, altitude, airspeed = shape.tolist()
+    range_, altitude, airspeed = (
+        (orbit.range, orbit.altitude, orbit.speed) if shape is None else shape.tolist()
+    )
     radius = math.sqrt(max(range_**2 - altitude**2, 0.0))
-    centre = np.array(target, dtype=float)
-    centre[2] += altitude
     return FlownOrbit(
-        centre,
+        np.add(target, (0.0, 0.0, altitude)),
         np.array(velocity, dtype=float),
         orbit.sense * radius,
         airspeed,

@@ -215,8 +215,7 @@ class Navigator:
         """
         found = self.air_estimate.found
         if self.airspeed_known:
-            high, low = found.doubts.tolist()
-            return 0.0, (high, low)
+            return 0.0, (float(found.doubts[0]), float(found.doubts[1]))
         return float(found.deviation[0]), (0.0, 0.0)
 
     def complaints(self) -> list[str]:

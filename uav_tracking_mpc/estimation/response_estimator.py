@@ -69,7 +69,7 @@ SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tel
 # takes to lag away afterwards: share of the limit that is measured, share that is asked for, time.
 SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
 # s, s, -: what the parabolas are off by between the points of the grid, of lag, sum and gain
-ROUNDING = 0.015, 0.008, 0.005
+LAG_ROUNDING, DELAY_ROUNDING, GAIN_ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
 REFINED_EVERY = 8  # measurements that are taken in together, and then one channel is refined
 
@@ -295,20 +295,21 @@ class ResponseEstimator:
         if self._turn % REFINED_EVERY == 0:
             self._take_in()
             axis = self._turn // REFINED_EVERY
-            found = self._refined(axis)
-            self.channels[axis] = found.judged(self.channels[axis])
+            self.channels[axis] = self._refined(axis).judged(self.channels[axis])
 
     def _take_in(self) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""
         times, elapsed, measured, usable = map(np.array, zip(*self._samples, strict=True))
         self._samples.clear()
         weights = self._followed & usable & np.vstack([self._used, usable[:-1]])
-        responses = self._candidates.at(times).reshape(len(times), 3, -1)
-        responses = np.concatenate([responses, measured[:, :, np.newaxis]], axis=2)
+        responses = np.concatenate(
+            [self._candidates.at(times).reshape(len(times), 3, -1), measured[:, :, np.newaxis]],
+            axis=2,
+        )
         passed = np.diff(responses, axis=0, prepend=self._before[np.newaxis])
         passed *= weights[:, :, np.newaxis]
-        kept = np.exp(elapsed / -WASHOUT)
-        for before, after, share in zip([self._passed, *passed], passed, kept, strict=False):
+        befores, kept = [self._passed, *passed[:-1]], np.exp(elapsed / -WASHOUT)
+        for before, after, share in zip(befores, passed, kept, strict=True):
             after += before
             after *= share
         self._before, self._passed, self._used = responses[-1], passed[-1], usable[-1]
@@ -320,8 +321,7 @@ class ResponseEstimator:
         self._power = forgotten * self._power + (weighed * passed).sum(0)
         self._product = forgotten * self._product + (weighed * passed[:, :, -1:]).sum(0)
         self._following = forgotten * self._following + next_dead_time.sum(0)
-        found = self._gains * passed[:, range(3), self._nearest]
-        residual = weights * (passed[:, :, -1] - found)
+        residual = weights * (passed[:, :, -1] - self._gains * passed[:, range(3), self._nearest])
         successive = residual * np.vstack([self._residual, residual[:-1]])
         self._sums, self._residual = (
             forgotten * self._sums + (remembered * (weights, successive, residual**2)).sum(1),
@@ -352,13 +352,11 @@ class ResponseEstimator:
 
         correlation = successive / squared if squared > 0.0 else 0.0
         correlation = min(max(correlation, 0.0), CORRELATION_LIMIT)
-        variance = max(least, 0.0) / max(weight - 4.0, 1.0)
         # as if a residual was independent of the one before
-        variance *= (1.0 + correlation) / (1.0 - correlation)
-        variance += NOISE_FLOOR[axis] ** 2
+        alone = (1.0 + correlation) / (1.0 - correlation)
+        variance = max(least, 0.0) / max(weight - 4.0, 1.0) * alone + NOISE_FLOOR[axis] ** 2
         along = math.sqrt(2.0 * variance / max(bend, 1e-300))
-        lag_rounding, delay_rounding, gain_rounding = ROUNDING
-        lag_deviation = math.hypot(along, lag_rounding)
+        lag_deviation = math.hypot(along, LAG_ROUNDING)
         of_dead_time = math.sqrt(2.0 * variance / max(float(bends[best]), 1e-300))
         of_gain = math.sqrt(variance / max(float(power[nearest, best]), 1e-300))
         return ChannelResponse(
@@ -367,8 +365,8 @@ class ResponseEstimator:
             gain=gain,
             lag_deviation=lag_deviation,
             dead_time_deviation=math.hypot(lag_deviation, of_dead_time),
-            delay_deviation=math.hypot(delay_slope * along, of_dead_time, delay_rounding),
-            gain_deviation=math.hypot(gain_slope * along, of_gain, gain_rounding),
+            delay_deviation=math.hypot(delay_slope * along, of_dead_time, DELAY_ROUNDING),
+            gain_deviation=math.hypot(gain_slope * along, of_gain, GAIN_ROUNDING),
         )
 
 
@@ -392,9 +390,7 @@ def _between(
     apart = np.maximum(p + q - 2.0 * a, 1e-12 * (p + q) + 1e-300)  # (x_i+1 - x_i)^2
     determinant = np.maximum(p * q - a * a, 1e-300)
     first, second = (q * y - a * z) / determinant, (p * z - a * y) / determinant
-    share = second / np.where(first + second > 0.0, first + second, math.inf)
-    share = np.clip(share, 0.0, 1.0)
-    share = np.where((first > 0.0) | (second > 0.0), share, 0.0)
+    share = np.clip(second / np.where(first + second > 0.0, first + second, math.inf), 0.0, 1.0)
     mixed = y + share * (z - y)
     mixed_power = (1.0 - share) ** 2 * p + 2.0 * share * (1.0 - share) * a + share**2 * q
     gain = np.clip(mixed / np.maximum(mixed_power, 1e-300), *GAIN_LIMITS)
@@ -429,5 +425,8 @@ def _parabola(
     (left, middle, right), (first, second, third) = points.tolist(), values.tolist()
     slope = (second - first) / (middle - left)
     bend = ((third - second) / (right - middle) - slope) / (right - left)
-    value = first + (where - left) * (slope + (where - middle) * bend)
-    return value, slope + (2.0 * where - left - middle) * bend, 2.0 * bend
+    return (
+        first + (where - left) * (slope + (where - middle) * bend),
+        slope + (2.0 * where - left - middle) * bend,
+        2.0 * bend,
+    )

@@ -119,8 +119,9 @@ class Situation:
         x, y, z = self.offset.tolist()
         east, north, _ = self.relative_velocity.tolist()
         *_, path_angle, airspeed = self.vehicle.tolist()
-        bearing = math.atan2(north, east) - math.atan2(y, x) - math.pi - orbit.bearing
-        bearing = math.remainder(bearing, 2.0 * math.pi)
+        bearing = math.remainder(
+            math.atan2(north, east) - math.atan2(y, x) - math.pi - orbit.bearing, 2.0 * math.pi
+        )
         range_, altitude = orbit.errors_at(x, y, z)
         return np.array([range_, bearing, altitude, path_angle, airspeed - orbit.speed])
 

@@ -198,5 +198,4 @@ def _repeats(before: Measurement, after: Measurement) -> bool:
 
 def _explained(measurement: Measurement, step: float) -> float:
     """Greatest distance [m] that motion and noise explain in a time [s]."""
-    noise = max(measurement.noise.position)
-    return JUMP_MIN + NOISE_MULTIPLE * noise + SPEED_LIMIT * step
+    return JUMP_MIN + NOISE_MULTIPLE * max(measurement.noise.position) + SPEED_LIMIT * step
