@@ -14,8 +14,6 @@
 
 """A controller on its problems: what its tests share."""
 
-from dataclasses import replace
-
 import numpy as np
 import small_uav
 
@@ -56,7 +54,7 @@ class Faulty:
         if self.status is None:
             return plan
         changes = {"status": self.status, "message": "told to", "violation": self.violation}
-        return replace(plan, solution=replace(plan.solution, **changes))
+        return plan._replace(solution=plan.solution._replace(**changes))
 
 
 def estimate(now, stages=PAPER.horizon):

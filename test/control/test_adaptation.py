@@ -101,7 +101,7 @@ def test_what_was_learnt_goes_once_a_doubtful_estimate_contradicts_it():
     found.estimator.channels[0] = ChannelResponse(0.3, 0.2, delay_deviation=0.12)
     found.interrupt()
     followed(found, 30.0)
-    assert found.delay(0) == pytest.approx(sum(TOLD.response.lags[:1] + TOLD.dead_time[:1]))
+    assert found.delays[0] == pytest.approx(sum(TOLD.response.lags[:1] + TOLD.dead_time[:1]))
 
 
 def test_a_lag_that_is_known_without_its_sum_does_not_become_dead_time():
@@ -114,7 +114,7 @@ def test_a_sum_that_is_known_alone_is_shared_as_it_was_told():
     found = adaptation(ChannelResponse(0.1, 0.6, **SURE | {"lag_trusted": False}))
     followed(found, 30.0)
     lag, dead_time = TOLD.rate_lag[0], TOLD.dead_time[0]
-    assert found.delay(0) == pytest.approx(0.7)
+    assert found.delays[0] == pytest.approx(0.7)
     assert found.flown.lags[0] == pytest.approx(0.7 * lag / (lag + dead_time))
 
 
@@ -149,7 +149,7 @@ def test_a_dead_time_that_no_parameter_may_have_is_flown_by():
         controller.see_target(state.stamp, here - [300.0, 0.0, 120.0])
         command = controller.step(state, state.stamp)
         assert np.isfinite(command.inputs).all()
-    assert controller.response.delay(0) == pytest.approx(2.65)
+    assert controller.response.delays[0] == pytest.approx(2.65)
     assert controller.response.flown.dead_times[0] == pytest.approx(2.35)
 
 
@@ -158,7 +158,7 @@ def test_a_model_that_has_no_lags_to_change_takes_what_is_learnt_as_dead_time(mo
     found = adaptation(ChannelResponse(lag=0.5, dead_time=0.4, **SURE))
     followed(found, 30.0)
     assert tuple(found.flown.lags) == TOLD.rate_lag
-    assert found.delay(0) == pytest.approx(0.9)
+    assert found.delays[0] == pytest.approx(0.9)
 
 
 def test_commands_are_what_is_wanted_divided_by_the_gain():
@@ -210,11 +210,11 @@ def test_a_flight_that_was_told_half_of_it_finds_the_truth():
         configuration = load_configuration("small_uav", told, "crosswind")
         simulate(configuration)
     (controller,) = flown
-    assert controller.response.delay(0) == pytest.approx(0.47, abs=0.05)
-    assert controller.response.delay(1) == pytest.approx(0.33, abs=0.05)
+    assert controller.response.delays[0] == pytest.approx(0.47, abs=0.05)
+    assert controller.response.delays[1] == pytest.approx(0.33, abs=0.05)
     assert controller.parameters.rate_lag == (0.15, 0.06, 0.08)  # what was told
     controller.reset()
-    assert controller.response.delay(0) == pytest.approx(0.23)
+    assert controller.response.delays[0] == pytest.approx(0.23)
 
 
 def test_what_the_autopilot_holds_is_not_learnt():

@@ -182,6 +182,6 @@ def test_a_situation_that_is_not_finite_leaves_the_measurement():
     controller.see_target(0.0, np.zeros(3))
     command = controller.step(seen, 0.0)
     broken = replace(command.present, vehicle=np.full(6, np.nan))
-    path = paths.path(controller, seen, replace(command, present=broken))
+    path = paths.path(controller, seen, command._replace(present=broken))
     assert np.isfinite(path.states).all()
     np.testing.assert_array_equal(path.states[0, :3], seen.position)

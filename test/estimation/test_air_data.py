@@ -28,9 +28,10 @@ from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, STUCK
 
 def data(**known):
     """Beside an estimate that has found this."""
-    found = FOUND.begin.copy()
-    FOUND.fill(found, **known)
-    return AirData(0.5, FOUND.parts(found))
+    found = FOUND.parts(FOUND.begin.copy())
+    for name, value in known.items():
+        getattr(found, name)[:] = value
+    return AirData(0.5, found)
 
 
 def measurement(**more):
@@ -153,7 +154,7 @@ def test_a_bank_that_stays_while_the_nose_turns_quicker_and_slower_is_stuck(chan
         velocity = 20.0 * np.array([math.cos(nose), math.sin(nose), 0.0])
         seen = Measurement(time, np.zeros(3), velocity, nose, 0.0, rate, 0.0, 20.0, bank=-0.2)
         path, _ = air.see_state(replace(seen, **changes))
-    words = [said for holds, said in air.concerns() if holds]
+    words = [said for said, holds in air.concerns().items() if holds]
     assert ("the bank is stuck: the attitude is taken for the direction flown" in words) == stuck
     assert path.turn_rate == rate  # of the nose, or as it is told
 
@@ -228,7 +229,7 @@ def test_a_heading_that_counts_from_north_is_told(heading, course, said):
     for tick in range(200):
         time = 0.05 * tick
         air.see_state(Measurement(time, time * velocity, velocity, heading, 0.0, airspeed=20.0))
-        said_so_far |= {words for holds, words in air.concerns() if holds}
+        said_so_far |= {words for words, holds in air.concerns().items() if holds}
     told = "the heading looks as if it counted from North to East: it must count from East to North"
     assert said_so_far == ({f"{told} (ENU)"} if said else set())
 

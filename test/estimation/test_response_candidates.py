@@ -26,6 +26,11 @@ from uav_tracking_mpc.estimation.response_estimator import (
 from uav_tracking_mpc.simulation.plants.vehicle import InnerLoop
 
 
+def at(candidates, time):
+    """Responses at one time."""
+    return candidates.at(np.array([time]))[0]
+
+
 def simulated(commands, lag, dead_time, until):
     """Rates at a time of channels that begin at rest at 0 s, and what was gained."""
     loop, gained = InnerLoop([lag] * 3, [dead_time] * 3), 0.0
@@ -50,11 +55,24 @@ def test_they_are_the_response_of_first_order_channels_with_dead_time():
     for time, inputs in commands:
         candidates.commanded(time, time, inputs[np.newaxis], 1.0)
     now = times[-1] + 0.137
-    responses = candidates.at(now)
+    responses = at(candidates, now)
     for row, column in ((0, 3), (3, 5), (7, 1), (20, 8), (14, 11)):
         rates, gained = simulated(commands, LAGS[column], DEAD_TIMES[row], now)
         np.testing.assert_allclose(responses[:2, row, column], rates[:2], atol=1e-6)
         assert responses[ACCELERATION, row, column] == pytest.approx(gained, abs=1e-6)
+
+
+def test_several_times_are_answered_as_one_after_the_other():
+    rng = np.random.default_rng(1)
+    times = np.cumsum(rng.uniform(0.02, 0.3, 8))
+    once, each = ResponseCandidates(), ResponseCandidates()
+    answers = []
+    for time in times:
+        answers.append(at(each, time))
+        plan = rng.uniform(-1.0, 1.0, (4, 3))
+        for candidates in (once, each):
+            candidates.commanded(time + 0.01, time, plan, 0.1)
+    np.testing.assert_allclose(once.at(times), answers, atol=1e-12)
 
 
 def test_the_segments_of_a_plan_follow_each_other_until_another_is_sent():
@@ -62,18 +80,18 @@ def test_the_segments_of_a_plan_follow_each_other_until_another_is_sent():
     candidates = ResponseCandidates()
     candidates.commanded(10.1, 10.0, plan, 0.5)
     assert candidates.end == 11.5
-    np.testing.assert_allclose(candidates.at(10.3)[0, 0, 0], 1.0)
-    np.testing.assert_allclose(candidates.at(10.6)[0, 0, 0], 2.0)
+    np.testing.assert_allclose(at(candidates, 10.3)[0, 0, 0], 1.0)
+    np.testing.assert_allclose(at(candidates, 10.6)[0, 0, 0], 2.0)
     candidates.commanded(10.8, 10.7, 7.0 * plan, 0.5)
-    np.testing.assert_allclose(candidates.at(11.1)[0, :, 0][DEAD_TIMES <= 0.25], 7.0)
-    np.testing.assert_allclose(candidates.at(11.1)[0, 7, 0], 2.0)  # of 0.35 s before
+    np.testing.assert_allclose(at(candidates, 11.1)[0, :, 0][DEAD_TIMES <= 0.25], 7.0)
+    np.testing.assert_allclose(at(candidates, 11.1)[0, 7, 0], 2.0)  # of 0.35 s before
 
 
 def test_what_a_plan_says_of_before_it_was_sent_was_not_flown():
     candidates = ResponseCandidates()
     candidates.commanded(8.0, 8.0, np.full((5, 3), 0.2), 1.0)
     candidates.commanded(10.2, 9.0, np.outer([-0.3, 0.2, 0.2], np.ones(3)), 1.0)
-    np.testing.assert_allclose(candidates.at(10.5)[0, :, 0], 0.2)
+    np.testing.assert_allclose(at(candidates, 10.5)[0, :, 0], 0.2)
 
 
 def test_it_never_runs_out_of_memory():
@@ -81,6 +99,8 @@ def test_it_never_runs_out_of_memory():
     for tick in range(1500):
         time = 0.01 * tick
         candidates.commanded(time, time, np.full((1, 3), float(tick)), 1.0)
-    assert len(candidates._times) < 400
-    steady = candidates.at(time)[0, :, 0]
+        if tick % 10 == 0:
+            at(candidates, time)
+    assert len(candidates._pieces) < 200
+    steady = at(candidates, time)[0, :, 0]
     np.testing.assert_allclose(steady, np.floor(tick - DEAD_TIMES / 0.01 + 1e-6), atol=1.01)

@@ -128,7 +128,7 @@ def test_in_gusts_the_turn_rate_is_changed_more_gently():
     changes = []
     for walk in (0.0, 0.1, 0.5, 1.0, 5.0, np.inf):
         flight.reset()
-        plan = flight.solve(start, replace(ahead, gust_walk=walk), HELD.orbit, None)
+        plan = flight.solve(start, ahead._replace(gust_walk=walk), HELD.orbit, None)
         assert plan.solution.converged
         changes.append(np.abs(np.diff(plan.inputs[:, 0])).max())
     assert changes[0] == changes[1] > 1.4 * changes[2] > 1.4**2 * changes[3]

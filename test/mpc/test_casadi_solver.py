@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from threading import Thread
 
 import casadi as ca
@@ -45,7 +44,7 @@ def rolled(inputs, decision):
 def last():
     plan = Solution.without_plan(PROBLEM, Status.FAILED, "", 0.0)
     stages = np.arange(PROBLEM.horizon, dtype=float)[:, np.newaxis]
-    return dataclasses.replace(plan, inputs=stages * np.ones(PROBLEM.nu))
+    return plan._replace(inputs=stages * np.ones(PROBLEM.nu))
 
 
 def test_a_warm_start_moves_the_last_plan_on_and_begins_at_the_state():

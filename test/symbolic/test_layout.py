@@ -28,8 +28,7 @@ def test_parts_are_views_of_the_vector():
     parts = OUTER.parts(vector)
     assert parts.inner.right.tolist() == [3.0, 4.0]
     parts.inner.left[:] = 7.0
-    OUTER.fill(vector, first=(8.0, 9.0), last=5.5)
-    assert vector.tolist() == [8.0, 9.0, 7.0, 3.0, 4.0, 5.5]
+    assert vector.tolist() == [0.0, 1.0, 7.0, 3.0, 4.0, 5.0]
     assert OUTER.part("inner", vector).tolist() == [7.0, 3.0, 4.0]
 
 

@@ -188,8 +188,7 @@ class FlightState(NamedTuple):
     @property
     def yaw(self) -> float:
         """Heading of the nose, clockwise from North, in [rad], from -pi to pi."""
-        past = past_nose(self.roll, self.pitch, self.path_angle)
-        return heading_from_yaw(self.heading - past)
+        return heading_from_yaw(self.heading - past_nose(self.roll, self.pitch, self.path_angle))
 
 
 class Airframe:

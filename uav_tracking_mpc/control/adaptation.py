@@ -71,7 +71,9 @@ class ResponseAdaptation:
         self._stamp = 0.0
         self._learns_from = -math.inf  # s
         self._seen: tuple[Measurement, bool, float] | None = None  # not yet learnt from; so is
-        self._sent: tuple[float, float, NDArray[np.float64], float, float] | None = None
+        self._sent: tuple[float, float, NDArray[np.float64], float, float, list[float]] | None = (
+            None
+        )
         self._begin()
 
     @property
@@ -149,13 +151,10 @@ class ResponseAdaptation:
         told = parameters.flown_by(parameters.response)
         return None if np.array_equal(self.flown, told) else self.flown
 
-    def delay(self, axis: int) -> float:
-        """Lag plus dead time that a channel is flown by, in [s].
-
-        Args:
-            axis: 0 for u_psi, 1 for u_chi, 2 for u_v.
-        """
-        return float(self.flown.lags[axis] + self.flown.dead_times[axis])
+    @property
+    def delays(self) -> list[float]:
+        """Lag plus dead time that each channel is flown by, in [s]."""
+        return (self.flown.lags + self.flown.dead_times).tolist()  # type: ignore[no-any-return]
 
     def see(
         self,
@@ -199,8 +198,9 @@ class ResponseAdaptation:
         Returns:
             What the aircraft makes of it at its gain, shape (n, 3).
         """
-        self._sent = stamp, delay, plan, step, forced
-        return plan * self.flown.gains
+        flown = plan * self.flown.gains
+        self._sent = stamp, delay, plan, step, forced, flown[0].tolist()
+        return flown
 
     def learn(self) -> None:
         """Learn from the latest measurement and plan.
@@ -221,14 +221,17 @@ class ResponseAdaptation:
             )
         if sent is None:
             return
-        stamp, delay, plan, step, forced = sent
-        delays = (self.flown.lags + self.flown.dead_times).tolist()
+        stamp, delay, plan, step, forced, inputs = sent
+        delays = self.delays
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
-            if seen is not None and airspeed_measured and self._told.law == PREDICTIVE:
-                inputs = (plan[0] * self.flown.gains).tolist()
-                if self._authority.see(measurement, self._air, inputs, self._told, delays, gusts):
-                    self.limited = self._authority.within(self._told)
+            if (
+                seen is not None
+                and airspeed_measured
+                and self._told.law == PREDICTIVE
+                and self._authority.see(measurement, self._air, inputs, self._told, delays, gusts)
+            ):
+                self.limited = self._authority.within(self._told)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()
             self.oscillation.see(stamp, rates, airspeed, self.estimator.channels, delays, forced)
@@ -242,9 +245,9 @@ class ResponseAdaptation:
         Returns:
             None if they stay.
         """
-        lags, dead_times, gains = self.flown
         swings, going_on = self.oscillation.swings, self.oscillation.going_on
-        changed = self.softening.follow(time, swings, going_on, lags + dead_times, gains)
+        gains = self.flown.gains.tolist()
+        changed = self.softening.follow(time, swings, going_on, self.delays, gains)
         return self.softening.factors if changed else None
 
     def follow(self, time: float) -> Response | None:
@@ -286,10 +289,10 @@ class ResponseAdaptation:
         after = np.array(self._told.vehicle.with_lags(after).lags)  # a model may have its own
         left = np.maximum(delays - after, 0.0)
         apart = np.maximum(np.abs(after - told.lags), np.abs(left - told.dead_times))
-        cases = [off < ROUNDING, apart < ROUNDING]
+        stays, arrived = off < ROUNDING, apart < ROUNDING
         self._learnt = Response(
-            np.select(cases, [lags, told.lags], after),
-            np.select(cases, [dead_times, told.dead_times], left),
+            np.where(stays, lags, np.where(arrived, told.lags, after)),
+            np.where(stays, dead_times, np.where(arrived, told.dead_times, left)),
             gains + np.clip(wanted_gains - gains, -most, most),
         )
 

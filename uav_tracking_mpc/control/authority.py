@@ -23,8 +23,6 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
@@ -104,7 +102,7 @@ class Ceiling:
         self._begin()
 
     def _begin(self) -> None:
-        self._sums = np.zeros(4)  # of 1, of what is asked for, and of what is given, twice
+        self._sums = [0.0] * 4  # of 1, of what is asked for, and of what is given, twice
         self._peak = -math.inf
 
     def see(
@@ -138,9 +136,10 @@ class Ceiling:
             return False
         self._followed += followed(elapsed, delay) * (asked - self._followed)
         self._time = time
-        self._sums += elapsed * np.array([1.0, self._followed, *given])
+        values = zip(self._sums, (1.0, self._followed, *given), strict=True)
+        self._sums = [sum_ + elapsed * value for sum_, value in values]
         self._peak = max(self._peak, *given)
-        lasted, wanted, *had = self._sums.tolist()
+        lasted, wanted, *had = self._sums
         lacks = wanted - max(had) >= self._scale.missing + math.sqrt(gusts * lasted)
         if lasted < (SHORTEST if lacks else LONGEST):
             return False
@@ -192,7 +191,7 @@ class Authority:
     def reset(self) -> None:
         """Forget what was found: another aircraft, or one of which something else was told."""
         self._bank, self._force, self._side = Ceiling(BANK), Ceiling(FORCE), 0.0
-        self._time, self._airspeed, self._ground = -math.inf, 0.0, np.zeros(3)
+        self._time, self._airspeed, self._ground = -math.inf, 0.0, [0.0] * 3
         self._told = ["", ""]
 
     def interrupt(self) -> None:
@@ -227,14 +226,15 @@ class Authority:
         if side != self._side:
             self._bank.interrupt()
             self._side = side
-        turns = inputs[0], measurement.turn_rate
-        asked, given = (-side * float(bank_from_turn_rate(rate, airspeed)) for rate in turns)
+        asked = -side * bank_from_turn_rate(inputs[0], airspeed)
+        given = -side * bank_from_turn_rate(measurement.turn_rate, airspeed)
         found = self._bank.see(time, asked, (given, given), told.bank_max, delays[0])
         # By the velocity over ground as well, for a gust changes the airspeed at once.
-        along = np.array(air_velocity(heading, path_angle, 1.0, math))
-        over_ground = float((measurement.ground_velocity - self._ground) @ along)
+        along, ground = air_velocity(heading, path_angle, 1.0, math), measurement.ground_velocity
+        changes = zip(ground.tolist(), self._ground, along, strict=True)
+        over_ground = sum((now - before) * share for now, before, share in changes)
         gained, elapsed = airspeed - self._airspeed, time - self._time
-        self._time, self._airspeed, self._ground = time, airspeed, measurement.ground_velocity
+        self._time, self._airspeed, self._ground = time, airspeed, ground.tolist()
         if told.vehicle.commanded > 2 and elapsed > 0.0:
             weight = GRAVITY * math.sin(path_angle)
             _, most = told.envelope.force_limits(airspeed)

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,7 @@ from uav_tracking_mpc.formulation.formulation import Plan
 from uav_tracking_mpc.mpc.solver import Solution, Status
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """What to fly now and, should nothing follow, after that.
 
     Attributes:

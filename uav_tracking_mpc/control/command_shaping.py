@@ -321,14 +321,13 @@ class CommandShaper:
             self._offset[TURN] = present.rates[TURN] - inside[0, TURN]
         self._broken = False
         self._wanted, self._time, self._mode, self._changed = inside[0], time, mode, False
-        if not self._offset.any():
+        if not any(self._offset.tolist()):
             return inside
         share = np.exp(-step / FADE_TIME * np.arange(len(inside)))
         return self._clipped(inside + share[:, np.newaxis] * self._offset)
 
     def _clipped(self, inputs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Inputs inside their limits; what is not finite becomes 0."""
-        finite = np.isfinite(inputs)
-        if not finite.all():
-            inputs = np.where(finite, inputs, 0.0)
+        if not math.isfinite(np.vdot(inputs, inputs)):  # finite only if each of them is
+            inputs = np.where(np.isfinite(inputs), inputs, 0.0)
         return np.minimum(np.maximum(inputs, self._lower), self._upper)

@@ -439,7 +439,7 @@ class Controller:
                 plan = self.formulation.solve(*where, elapsed)
             except Exception as error:  # whatever a limit or model of somebody's raises
                 trouble = f"the controller failed: {error}"
-            if plan is not None and not np.isfinite(plan.inputs).all():
+            if plan is not None and not math.isfinite(np.vdot(plan.inputs, plan.inputs)):
                 trouble, plan = f"the plan is not finite: {plan.solution.message}", None
         left = self._plan.remaining(stamp, self.parameters.plan_age_max)
         solution = None if plan is None else plan.solution
@@ -497,9 +497,10 @@ class Controller:
         flown = None
         if now is not None:  # the drift is the wind less the target's velocity
             ends = self._plan.orbit if mode.planned else None
-            flown = orbit_about(now.target, self.navigator.wind - now.drift, self.orbit, ends)
-            airspeed = max(0.0, now.airspeed)  # in this order 0 for no number
-            flown = flown._replace(airspeed_now=airspeed, surplus=surplus)
+            speed = max(0.0, now.airspeed)  # in this order 0 for no number
+            flown = orbit_about(
+                now.target, self.navigator.wind - now.drift, self.orbit, ends, speed, surplus
+            )
         return Command(stamp, inputs, step, mode, reason, self.orbit, plan, now, flown)
 
     def _select(self, available: Available) -> FallbackMode:

@@ -25,9 +25,9 @@ that is flown by has changed since, all the way.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.watches import Swing
@@ -77,8 +77,8 @@ class Softening:
         time: float,
         swings: tuple[Swing | None, Swing | None],
         going_on: tuple[bool, bool],
-        delays: NDArray[np.float64],
-        gains: NDArray[np.float64],
+        delays: Sequence[float],
+        gains: Sequence[float],
     ) -> bool:
         """Answer the swings of now.
 
@@ -97,7 +97,7 @@ class Softening:
         self._time = time
         changed = False
         for axis, (channel, swing) in enumerate(zip(self._channels, swings, strict=True)):
-            flown = float(delays[axis]), float(gains[axis])
+            flown = delays[axis], gains[axis]
             # Where time has gone back, nothing is awaited from a time that is no more.
             channel.quiet_since = min(channel.quiet_since, time)
             channel.judged = min(channel.judged, time)
@@ -107,8 +107,8 @@ class Softening:
                     self._soften(axis, channel, time, swing, flown)
             elif channel.factor > 1.0 and time - channel.quiet_since >= QUIET:
                 self._return(axis, channel, elapsed, flown)
-            changed |= channel.factor != float(self.factors[axis])
-            self.factors[axis] = channel.factor
+            if channel.factor != self.factors[axis]:
+                self.factors[axis], changed = channel.factor, True
         return changed
 
     def _soften(

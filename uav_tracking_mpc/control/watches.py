@@ -166,10 +166,10 @@ class OscillationReport:
 
         None where the target swings so much itself that the aircraft must.
         """
-        turn, climb = (
+        turn, climb = [
             None if swing is None or self._forced > FORCED * swing.amplitude else swing
-            for swing in (watch.swing for watch in self._watches)
-        )
+            for swing in [watch.swing for watch in self._watches]
+        ]
         return turn, climb
 
     @property

@@ -178,11 +178,10 @@ def course_rates(rotation: NDArray[np.float64], angular: ArrayLike) -> tuple[flo
         heading has no value there.
     """
     # In body axes e = (1, 0, 0), so w x e = (0, w_z, -w_y).
-    _, pitch, yaw = (float(rate) for rate in np.asarray(angular))
-    east, north = float(rotation[0, 0]), float(rotation[1, 0])
-    east_rate, north_rate, up_rate = (
-        float(part) for part in yaw * rotation[:, 1] - pitch * rotation[:, 2]
-    )
+    _, pitch, yaw = np.asarray(angular, dtype=float).tolist()
+    axes = rotation.tolist()
+    (east, *_), (north, *_), _ = axes
+    east_rate, north_rate, up_rate = (yaw * left - pitch * up for _, left, up in axes)
     level = math.hypot(east, north)
     if level < 1e-9:
         return 0.0, 0.0

@@ -240,7 +240,12 @@ class FlownOrbit(NamedTuple):
 
 
 def orbit_about(
-    target: ArrayLike, velocity: ArrayLike, orbit: Orbit, shape: NDArray[np.float64] | None = None
+    target: ArrayLike,
+    velocity: ArrayLike,
+    orbit: Orbit,
+    shape: NDArray[np.float64] | None = None,
+    airspeed_now: float = 0.0,
+    surplus: float = 0.0,
 ) -> FlownOrbit:
     """The orbit about a target.
 
@@ -250,14 +255,18 @@ def orbit_about(
         orbit: What is wanted; its direction counts in any case.
         shape: Range [m], altitude above the target [m] and airspeed [m/s] that are flown in the
             place of the wanted ones, shape (3,).
+        airspeed_now: See :class:`FlownOrbit`.
+        surplus: Likewise.
     """
-    range_, altitude, airspeed = orbit.range, orbit.altitude, orbit.speed
-    if shape is not None:
-        range_, altitude, airspeed = shape.tolist()
+    range_, altitude, airspeed = (
+        (orbit.range, orbit.altitude, orbit.speed) if shape is None else shape.tolist()
+    )
     radius = math.sqrt(max(range_**2 - altitude**2, 0.0))
     return FlownOrbit(
-        centre=np.asarray(target, dtype=float) + np.array([0.0, 0.0, altitude]),
-        velocity=np.array(velocity, dtype=float),
-        radius=orbit.sense * radius,
-        airspeed=airspeed,
+        np.add(target, (0.0, 0.0, altitude)),
+        np.array(velocity, dtype=float),
+        orbit.sense * radius,
+        airspeed,
+        airspeed_now,
+        surplus,
     )

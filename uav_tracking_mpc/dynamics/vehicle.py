@@ -127,7 +127,8 @@ def velocity(state: ArrayLike) -> NDArray[np.float64]:
         state: (x, y, z, psi, chi, v), shape (6,).
     """
     _, _, _, psi, chi, v = np.asarray(state, dtype=float).tolist()
-    return np.array(air_velocity(psi, chi, v, np))  # also of what is not finite
+    # The sine of what is not finite is an error to math, which is ten times as fast.
+    return np.array(air_velocity(psi, chi, v, math if math.isfinite(psi + chi) else np))
 
 
 class Response(NamedTuple):

@@ -133,20 +133,25 @@ class AirData:
         if stamp != self._latest:
             self._compare(measurement, min(stamp - self._latest, self.timeout), height_noise)
             self._before, self._latest = self._latest, stamp
-        near = any(abs(each - self._stamp) <= self.timeout for each in (stamp, self._before))
-        if airspeed is None and near:
+        if airspeed is None and any(
+            abs(each - self._stamp) <= self.timeout for each in (stamp, self._before)
+        ):
             airspeed = self._airspeed
-        self.impossible = self._is_impossible(airspeed, measurement)
+        east, north, up = measurement.ground_velocity.tolist()
+        speed = math.hypot(east, north, up)
+        # Airspeed by ground velocity and wind, in [m/s]
+        expected = math.dist((east, north, up), self._found.without.tolist())
+        self.impossible = self._is_impossible(airspeed, expected, speed)
         airspeed = None if self.impossible else airspeed
         self.missing = airspeed is None
         self._first = min(self._first, stamp) if self.missing else -math.inf
         self.awaited = self.missing and stamp - self._first < self.timeout
         held = self.holds_altitude and not (self.missing or self._failed)
-        heading_stuck, bank_stuck, velocity_stuck, *climbs_stuck = (
-            stuck for *_, stuck in self._repeated
-        )
+        heading_stuck, bank_stuck, velocity_stuck, *climbs_stuck = [
+            each[-1] for each in self._repeated
+        ]
         climb_stuck = any(climbs_stuck)
-        plausible = self._plausible(measurement, airspeed)
+        plausible = self._plausible(expected, airspeed)
         attitude = replace(measurement, bank=None) if bank_stuck else measurement
         of_path = self._path.of(
             attitude,
@@ -165,14 +170,12 @@ class AirData:
             if climb_stuck or self._path.climb.failed:
                 self.climb_state = STUCK if climb_stuck else OFF
         self.stuck = heading_stuck, velocity_stuck or (climb_stuck and self.nose is None)
-        east, north, up = measurement.ground_velocity.tolist()
-        speed = math.hypot(east, north, up)
         vehicle = of_path.state(speed if airspeed is None else airspeed)
         if airspeed is None and speed > SLOW:
             vehicle[3:5] = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
         return of_path, vehicle
 
-    def _is_impossible(self, airspeed: float | None, measurement: Measurement) -> bool:
+    def _is_impossible(self, airspeed: float | None, expected: float, speed: float) -> bool:
         """Whether nobody flies at an airspeed, or it does not agree yet with what stood in."""
         if airspeed is None:
             return False
@@ -182,10 +185,9 @@ class AirData:
             return low <= airspeed / max(other, SLOW) <= high
 
         wind_known = self._found.known[0] and not self._velocity_failed
-        if wind_known and agrees(self._expected(measurement)):  # as after an engine that has failed
+        if wind_known and agrees(expected):  # as after an engine that has failed
             return False
-        flies = math.hypot(*measurement.ground_velocity.tolist()) > low * least
-        if airspeed > high * most or (airspeed < low * least and flies):
+        if airspeed > high * most or (airspeed < low * least < speed):
             return True
         estimated = float(self._found.vehicle[5])
         return self.impossible and estimated > 0.0 and not agrees(estimated)
@@ -246,9 +248,8 @@ class AirData:
         """
         return 0.0 if self.nose is None else self._path.direction.surplus
 
-    def _plausible(self, measurement: Measurement, airspeed: float | None) -> float:
+    def _plausible(self, expected: float, airspeed: float | None) -> float:
         """Airspeed that fits the wind, in [m/s]."""
-        expected = self._expected(measurement)
         if airspeed is None:
             return float(self._found.vehicle[5]) if self._velocity_failed else expected
         if not self._found.known[0] or self._velocity_failed:
@@ -256,32 +257,21 @@ class AirData:
         gusts = 0.0 if self._failed else GUSTS
         return min(max(airspeed, expected - gusts), expected + gusts)
 
-    def _expected(self, measurement: Measurement) -> float:
-        """Airspeed by ground velocity and wind, in [m/s]."""
-        return math.hypot(*(measurement.ground_velocity - self._found.without).tolist())
-
-    def concerns(self, wind_known: bool = False) -> list[tuple[bool, str]]:
-        """What may be taken otherwise than it is measured: whether it is, and what to say.
+    def concerns(self, wind_known: bool = False) -> dict[str, bool]:
+        """What may be taken otherwise than it is measured, in words, and whether it is.
 
         Args:
             wind_known: Whether the wind stands in for an airspeed that is missing.
         """
-        return [
-            (
-                self._mirrored > MIRRORED_FOR,
-                "the heading looks as if it counted from North to East: it must count from East "
-                "to North (ENU)",
+        unknown = self.missing and not self.awaited and not wind_known
+        return {
+            "the heading looks as if it counted from North to East: it must count from East to "
+            "North (ENU)": self._mirrored > MIRRORED_FOR,
+            "the nose turns against the bank: the attitude is taken for the direction flown": (
+                self._path.contradicted
             ),
-            (
-                self._path.contradicted,
-                "the nose turns against the bank: the attitude is taken for the direction flown",
+            "the bank is stuck: the attitude is taken for the direction flown": (
+                self._repeated[1][-1]
             ),
-            (
-                self._repeated[1][-1],
-                "the bank is stuck: the attitude is taken for the direction flown",
-            ),
-            (
-                self.missing and not self.awaited and not wind_known,
-                "no airspeed is measured: the air is taken as still",
-            ),
-        ]
+            "no airspeed is measured: the air is taken as still": unknown,
+        }

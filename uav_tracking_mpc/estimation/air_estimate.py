@@ -50,6 +50,7 @@ from uav_tracking_mpc.estimation.sensor_health import (
     SILENT,
     STATES,
     STUCK,
+    USED,
     SensorHealth,
 )
 from uav_tracking_mpc.estimation.wind_filter import (
@@ -81,7 +82,7 @@ OF_POSITION = DIAGONAL[P].tolist()  # its variances, in a triangle
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
-    rates=3, biased=3, turn_told=1, compass=1, stuck=2,
+    rates=3, biased=3, compass=1, turn_told=1, stuck=2,
     noise=3, position_noise=3, velocity_noise=3, scales=3, by_turn=1,
 )  # fmt: skip
 MEMORY = Layout(
@@ -162,55 +163,47 @@ class AirEstimate:
             by_turn: Airspeed that bank and turn tell in [m/s]; inf where they tell none.
 
         Returns:
-            Aircraft and air as they are known, by :data:`FOUND`.
+            Aircraft and air as they are known, by :data:`FOUND`; overwritten by the next update.
 
         Raises:
             ValueError: There has been no position since the flight began.
         """
         noise, placed = measurement.noise, measurement.placed
-        position = vehicle[:3] if placed else self._known.main.state[P]
-        scales = gust_scales(float(position[2]) - ground, 0.0)
-        compass, turn_told = nose or (measurement.heading, rates[0])
-        SEEN.fill(
-            self._told,
-            position=position,
-            placed=placed,
-            ground=measurement.ground_velocity,
-            heading=measurement.heading if missing else vehicle[3],
-            path_angle=measurement.path_angle if missing else vehicle[4],
-            airspeed=vehicle[5],
-            measured=not missing,
-            rates=rates,
-            biased=(nose is None, nose is None, True),
-            compass=compass,
-            turn_told=turn_told,
-            stuck=stuck,
-            by_turn=by_turn,
-            noise=(noise.heading, noise.path_angle, noise.airspeed),
-            position_noise=noise.position,
-            velocity_noise=noise.velocity,
-            scales=(scales.long, scales.long, scales.short),
+        position = (vehicle[:3] if placed else self._known.main.state[P]).tolist()
+        heading, path_angle = (
+            (measurement.heading, measurement.path_angle) if missing else vehicle[3:5].tolist()
         )
+        scales = gust_scales(position[2] - ground, 0.0)
         elapsed = -1.0 if self._time is None else measurement.stamp - self._time
-        if not 0.0 <= elapsed <= LONGEST_GAP:
-            if not placed:
-                raise ValueError("no position is known")
-            elapsed = 0.0
+        begins = not 0.0 <= elapsed <= LONGEST_GAP
+        if begins and not placed:
+            raise ValueError("no position is known")
+        # In the order of SEEN: to write a part by its name takes five times as long.
+        self._told[:] = [
+            0.0 if begins else elapsed, *position, placed, *measurement.ground_velocity.tolist(),
+            heading, path_angle, vehicle[5], not missing, *rates.tolist(),
+            nose is None, nose is None, True,
+            *(nose or (measurement.heading, measurement.turn_rate)), *stuck,
+            noise.heading, noise.path_angle, noise.airspeed, *noise.position, *noise.velocity,
+            scales.long, scales.long, scales.short, by_turn,
+        ]  # fmt: skip
+        if begins:
             self._begin()
-        self._time, self._seen.elapsed[0] = measurement.stamp, elapsed
-        before = self.found.states.copy()
+        self._time = measurement.stamp
+        before = self.found.states.tolist()
         self._step.evaluate()
-        self._memory[:] = self._step.results[0]
+        self._memory[:], states = self._step.results[0], self.found.states.tolist()
         # A filter goes on from the one that no wrong sensor has come into. An airspeed that fails
         # before the wind is known without it leaves at once, and what it has told is worth more.
         unknown = not self._known.air.weight[air_check.AIRSPEED]
-        for state, earlier, lane in zip(self.found.states, before, LANES[1:], strict=False):
-            main, other = (MEMORY.part(name, self._memory) for name in ("main", lane))
-            if state > earlier and unknown and lane == LANES[NO_AIRSPEED]:
-                other[:] = main
-            elif state != earlier and state > CODE[SILENT]:
-                main[:] = other
-        for sensor, state in zip(SENSORS, self.found.states, strict=True):
+        for state, earlier, lane in zip(states, before, LANES[1:], strict=False):
+            if state != earlier and state != CODE[USED]:
+                main, other = (MEMORY.part(name, self._memory) for name in ("main", lane))
+                if unknown and lane == LANES[NO_AIRSPEED]:
+                    other[:] = main
+                elif state > CODE[SILENT]:
+                    main[:] = other
+        for sensor, state in zip(SENSORS, states, strict=True):
             self.health.states[sensor] = STATES[int(state)]
         if self.found.snapped[0]:
             self.health.states[HEADING] = JUMPED
@@ -218,7 +211,7 @@ class AirEstimate:
             self._forget(*LANES, "meters", "places", "quick")
             self.found.without[:] = self.found.known[:] = 0.0
             self._time = None
-        return FOUND.parts(self._step.results[1].copy())
+        return self.found
 
     def _begin(self) -> None:
         """Let position and motion begin anew, whatever was known of them."""

@@ -32,7 +32,7 @@ from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, USED, VELOCITY
-from uav_tracking_mpc.estimation.situation import FADE_TIME, KNOWN, Forecast, Situation, outlook
+from uav_tracking_mpc.estimation.situation import FADE_TIME, Forecast, Situation, outlook
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
@@ -75,9 +75,8 @@ class CommandHistory:
 
     def __init__(self, memory: float) -> None:
         self.memory = memory
-        # When each was sent and begins, its inputs and its step. The numbers of a list are read ten
-        # times as fast as those of an array.
-        self._plans: deque[tuple[float, float, list[list[float]], float]] = deque()
+        # When each was sent and begins, its inputs and its step
+        self._plans: deque[tuple[float, float, NDArray[np.float64], float]] = deque()
 
     def add(self, sent: float, begin: float, inputs: NDArray[np.float64], step: float) -> None:
         """Record a plan that takes effect when it is sent.
@@ -90,7 +89,7 @@ class CommandHistory:
         """
         while self._plans and self._plans[-1][0] > sent:
             self._plans.pop()  # never flown: a clock that stood ahead has gone back
-        self._plans.append((sent, begin, inputs.tolist(), step))
+        self._plans.append((sent, begin, inputs, step))
         while len(self._plans) > 1 and self._plans[1][0] <= sent - self.memory:
             self._plans.popleft()
 
@@ -108,7 +107,7 @@ class CommandHistory:
         """
         for sent, begin, inputs, step in reversed(self._plans):
             if sent <= time:
-                return inputs[min(int((time - begin) / step), len(inputs) - 1)][axis]
+                return inputs.item(min(int((time - begin) / step), len(inputs) - 1), axis)
         return 0.0
 
 
@@ -189,7 +188,7 @@ class Navigator:
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = self._astray = self._below = 0.0
-        self._told: set[int] = set()  # which concerns have been told
+        self._told: set[str] = set()  # concerns
         self._time: float | None = None
 
     @property
@@ -216,25 +215,26 @@ class Navigator:
         """
         found = self.air_estimate.found
         if self.airspeed_known:
-            high, low = found.doubts.tolist()
-            return 0.0, (high, low)
+            return 0.0, (float(found.doubts[0]), float(found.doubts[1]))
         return float(found.deviation[0]), (0.0, 0.0)
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
-        below = f"the aircraft is {self._below:.0f} m below the target: z must be positive up (ENU)"
         excess = float(self.air_estimate.state.alpha[0])
-        much = "much" if excess > 0.0 else "little"
-        off = f"the airspeed reads too {much} by more than {TOLD_EXCESS:.0%}: it is corrected"
-        concerns = [
-            *self.air.concerns(self._estimating),
-            (self._below > BELOW, below),
-            (abs(excess) > TOLD_EXCESS, off),
+        concerns = self.air.concerns(self._estimating) | {
+            "the aircraft is {0:.0f} m below the target: z must be positive up (ENU)": (
+                self._below > BELOW
+            ),
+            f"the airspeed reads too {{1}} by more than {TOLD_EXCESS:.0%}: it is corrected": (
+                abs(excess) > TOLD_EXCESS
+            ),
+        }
+        new = [words for words, holds in concerns.items() if holds and words not in self._told]
+        self._told.update(new)
+        return [
+            *(words.format(self._below, "much" if excess > 0.0 else "little") for words in new),
+            *self.air_estimate.health.news(),
         ]
-        holding = {which for which, (holds, _) in enumerate(concerns) if holds}
-        news = [concerns[which][1] for which in sorted(holding - self._told)]
-        self._told |= holding
-        return [*news, *self.air_estimate.health.news()]
 
     def see_target(
         self,
@@ -323,24 +323,17 @@ class Navigator:
         pace = ASTRAY if states[VELOCITY] == USED else BY_WIND
         self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace
         known, times = self._outlook.arguments
-        KNOWN.fill(
-            known,
-            motion=track.state.reshape(-1),
-            variance=track.variance(2),
-            turn_rate=track.turn_rate,
-            travelled=travelled,
-            left=left,
-            faded=self._fading(time).reshape(-1),
-            wind=air.wind,
-            trend=air.trend,
-            gust=air.gust,
-            times=air.times,
-        )
-        times[1:] = self._stages + delay  # and now
+        faded = self._fading(time).reshape(-1).tolist()
+        known[:] = [  # in the order of KNOWN
+            *track.state.reshape(-1).tolist(), track.variance(2), track.turn_rate,
+            travelled, left, *faded,
+            *air.wind.tolist(), *air.trend.tolist(), *air.gust.tolist(), *air.times.tolist(),
+        ]  # fmt: skip
+        np.add(self._stages, delay, out=times[1:])  # the first one is now
         self._outlook.evaluate()
         ahead = self._outlook.results[0].reshape(-1, 3, 3).swapaxes(0, 1).copy()
         target, drift, drift_rate = ahead[:, 0]
-        present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
+        present = Situation(air.vehicle.copy(), target, drift, drift_rate, air.rates.copy())
         self.wind = air.wind + air.gust
         targets, drifts, drift_rates = ahead[:, 1:]
         forecast = Forecast(targets, drifts, drift_rates, float(air.walk[0]))

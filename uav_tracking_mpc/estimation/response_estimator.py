@@ -34,23 +34,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
-from uav_tracking_mpc.symbolic.layout import Layout
 
 CHANNELS = ("turn rate", "path-angle rate", "acceleration")
 LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0])  # s
 DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 1.55, 0.1)])  # s
 ACCELERATION = 2  # channel of u_v; its integral, the airspeed, is what is measured
-_RATES = 1.0 / np.maximum(LAGS, 1e-4)  # 1/s
-# Of each piece between two changes of the inputs: what is held in it, and at its beginning the rate
-# by each lag, channel by channel, and the airspeed gained.
-PIECE = Layout(held=3, rates=3 * len(LAGS), gained=len(LAGS))
+_DECAY = -1.0 / np.maximum(LAGS, 1e-4)  # 1/s
+# By channel and lag, how far a step of the inputs is from being followed at its beginning: all of
+# it, and of the airspeed what is gained until it is.
+_LACKING = np.array([np.ones(len(LAGS)), np.ones(len(LAGS)), 1.0 / _DECAY])  # -, -, s
 
 # The sum of lag and dead time, or the lag alone, is trusted below the first deviation and until the
 # second: what it is off by adds to the phase. The gain likewise.
@@ -65,16 +63,15 @@ GAIN_LIMITS = 0.5, 1.6  # -, of a gain that is believed
 # a response that is lost in it is none.
 NOISE_FLOOR = 0.003, 0.003, 0.05
 CORRELATION_LIMIT = 0.98  # -, of successive residuals
-PLAUSIBLE = 10.0, 10.0, 1000.0  # rad/s, rad/s, m/s: beyond them a sensor is broken
+QUICKEST, FASTEST = 10.0, 1000.0  # rad/s, m/s: beyond them a sensor is broken
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
 # -, -, s: near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it
 # takes to lag away afterwards: share of the limit that is measured, share that is asked for, time.
 SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
 # s, s, -: what the parabolas are off by between the points of the grid, of lag, sum and gain
-ROUNDING = 0.015, 0.008, 0.005
+LAG_ROUNDING, DELAY_ROUNDING, GAIN_ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
-REFINED_EVERY = 8  # measurements between refinements, one channel each
-CANDIDATES = 3, len(DEAD_TIMES), len(LAGS)  # shape of what is known of each
+REFINED_EVERY = 8  # measurements that are taken in together, and then one channel is refined
 
 
 class ChannelResponse(NamedTuple):
@@ -132,7 +129,9 @@ class ResponseCandidates:
     A channel with lag tau and dead time D follows the command u as
     :math:`\tau \dot\omega(t) = u(t - D) - \omega(t)`: it is the channel without dead time, D later.
     So one filter a lag is enough. Commands are held between the times at which they change, where
-    the filter's solution is closed: every dead time is met exactly, also between two samples.
+    the filter's solution is closed: every dead time is met exactly, also between two samples. From
+    the beginning of such a piece on it is :math:`a + b t + c e^{-t / \tau}`, where b is 0 but for
+    the airspeed, the integral of the last channel.
 
     Args:
         time: When it begins, in a steady flight, in [s].
@@ -143,12 +142,13 @@ class ResponseCandidates:
     """
 
     def __init__(self, time: float = 0.0, inputs: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
-        # Pieces by the times at which the inputs changed
-        rates = np.repeat(inputs, len(LAGS))
-        self._times = np.array([time])
-        self._pieces = np.concatenate([inputs, rates, np.zeros(len(LAGS))])[np.newaxis]
-        # When it was sent and begins, its inputs and its step: segments from before are none
-        self._plan, self.end = (time, time, np.array([inputs]), 1.0), time
+        held, flown = np.array(inputs), np.zeros((3, len(LAGS)))
+        flown[:ACCELERATION] = held[:ACCELERATION, np.newaxis]
+        # Of each piece: when it begins, the inputs, a and c by channel and lag
+        self._pieces = [(time, held, flown, np.zeros_like(flown))]
+        # When each was sent and begins, its inputs and its step: the one that is flown, of which
+        # segments from before are none, and those that have come since.
+        self._plans, self.end = [(time, time, held[np.newaxis], 1.0)], time
 
     def commanded(
         self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
@@ -161,48 +161,50 @@ class ResponseCandidates:
             inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
             step: Length of a segment in [s].
         """
-        self._follow_plan(sent)
-        self._plan, self.end = (sent, begin, inputs, step), begin + step * len(inputs)
-        segment = min(max(int((sent - begin) / step), 0), len(inputs) - 1)
-        self._change(max(sent, float(self._times[-1])), inputs[segment])
+        self._plans.append((sent, begin, inputs, step))
+        self.end = begin + step * len(inputs)
 
-    def at(self, time: float) -> NDArray[np.float64]:
-        """Responses at a time: turn rate, path-angle rate, and the airspeed that was gained.
+    def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Responses at times: turn rate, path-angle rate, and the airspeed that was gained.
+
+        What only earlier times ask for is forgotten.
 
         Args:
-            time: In [s], not long before the last command.
+            times: Ascending, none before those asked for last, shape (n,), in [s].
 
         Returns:
-            Shape (3, dead times, lags), in [rad/s], [rad/s], [m/s].
+            Shape (n, 3, dead times, lags), in [rad/s], [rad/s], [m/s].
         """
-        self._follow_plan(time)
-        times = time - DEAD_TIMES
-        which = np.maximum(self._times.searchsorted(times, side="right") - 1, 0)
-        since = np.maximum(times - self._times[which], 0.0)
-        responses, gained = _flown(PIECE.parts(self._pieces[which].T), since)
-        responses[ACCELERATION] = gained
+        self._follow_plans(float(times[-1]))
+        begins, held, steady, lacking = map(np.array, zip(*self._pieces, strict=True))
+        delayed = times[:, np.newaxis] - DEAD_TIMES
+        which = np.maximum(begins.searchsorted(delayed, side="right") - 1, 0)
+        since = np.maximum(delayed - begins[which], 0.0)[..., np.newaxis]
+        left = np.exp(since * _DECAY)[:, :, np.newaxis]
+        responses = steady[which] + left * lacking[which]
+        responses[:, :, ACCELERATION] += held[which, ACCELERATION, np.newaxis] * since
+        del self._pieces[: which[-1, -1]]
         return responses.swapaxes(1, 2)
 
-    def _follow_plan(self, time: float) -> None:
-        """The present plan's segments up to a time, which is past the last change."""
-        sent, begin, inputs, step = self._plan
-        last = max(float(self._times[-1]), sent)
-        for segment in range(1, len(inputs)):
-            if last < begin + segment * step <= time:
-                self._change(begin + segment * step, inputs[segment])
+    def _follow_plans(self, time: float) -> None:
+        """What has been flown up to a time, which is past the last change."""
+        ends = [*(sent for sent, *_ in self._plans[1:]), time]
+        for number, (sent, begin, inputs, step) in enumerate(self._plans):
+            last, end = max(self._pieces[-1][0], sent), ends[number]
+            if number > 0:  # it is not the one that is flown
+                self._change(last, inputs[min(max(int((sent - begin) / step), 0), len(inputs) - 1)])
+            for segment in range(1, min(int((end - begin) / step) + 2, len(inputs))):
+                if last < (change := begin + segment * step) <= end:
+                    self._change(change, inputs[segment])
+        del self._plans[:-1]
 
     def _change(self, time: float, inputs: NDArray[np.float64]) -> None:
         """Other inputs are flown from a time on, not before the last change."""
-        piece = PIECE.parts(self._pieces[-1])
-        if (piece.held == inputs).all():
-            return
-        rates, gained = _flown(piece, time - self._times[-1])
-        after = np.concatenate([inputs, rates.ravel(), gained])
-        # Measurements may be older than the command.
-        old = self._times.searchsorted(time - 2.0 * DEAD_TIMES[-1], side="right") - 1
-        recent = slice(max(int(old), 0), None)
-        self._times = np.append(self._times[recent], time)
-        self._pieces = np.vstack([self._pieces[recent], after])
+        begin, held, steady, lacking = self._pieces[-1]
+        since, step = time - begin, (held - inputs)[:, np.newaxis] * _LACKING
+        steady = steady - step
+        steady[ACCELERATION] += held[ACCELERATION] * since
+        self._pieces.append((time, inputs, steady, np.exp(since * _DECAY) * lacking + step))
 
 
 class ResponseEstimator:
@@ -219,13 +221,15 @@ class ResponseEstimator:
     def __init__(self, commanded: int = 3) -> None:
         self._followed = np.arange(3) < commanded
         self._candidates = ResponseCandidates()
-        # Of each candidate: the response, what the high pass lets through of it, sums of x x and
-        # x y; and of x with that of the next dead time.
-        self._before, self._passed, self._power, self._product = np.zeros((4, *CANDIDATES))
-        self._following = np.zeros((3, len(DEAD_TIMES) - 1, len(LAGS)))
-        # Of each channel: sums of 1, y y, products of successive residuals, and their squares.
-        self._sums = np.zeros((4, 3))
-        self._residual = self._measured_passed = np.zeros(3)
+        # Time, time since the one before, what was measured, and whether it is of use
+        self._samples: list[tuple[float, float, tuple[float, ...], tuple[bool, ...]]] = []
+        # Of each candidate, and of what was measured as of one more: the response, what the high
+        # pass lets through of it, sums of x x and x y; and of x with that of the next dead time.
+        count = len(DEAD_TIMES) * len(LAGS)
+        self._before, self._passed, self._power, self._product = np.zeros((4, 3, count + 1))
+        self._following = np.zeros((3, count - len(LAGS)))
+        # Of each channel: sums of 1, products of successive residuals, and their squares.
+        self._sums, self._residual = np.zeros((3, 3)), np.zeros(3)
         self._nearest, self._gains = np.zeros(3, dtype=int), np.ones(3)  # the best candidate
         self.channels = [ChannelResponse()] * 3
         self._turn = 0
@@ -233,9 +237,11 @@ class ResponseEstimator:
 
     def interrupt(self) -> None:
         """Forget commands and times, keep what has been learnt."""
+        if self._samples:
+            self._take_in()
         self._time: float | None = None
         self._commanded = False
-        self._used, self._measured = np.zeros(3, dtype=bool), np.zeros(3)
+        self._used = np.zeros(3, dtype=bool)
         self._saturated, self._begun, self._turn_rate_max = -math.inf, 0.0, math.inf
 
     def commanded(
@@ -270,8 +276,7 @@ class ResponseEstimator:
         elapsed = math.inf if self._time is None else time - self._time
         if 0.0 <= elapsed < SHORTEST_PERIOD:
             return
-        measured = np.array([turn_rate, path_angle_rate, airspeed or 0.0])
-        if np.any(np.abs(measured) > PLAUSIBLE):
+        if max(abs(turn_rate), abs(path_angle_rate)) > QUICKEST or abs(airspeed or 0.0) > FASTEST:
             self.interrupt()
             return
         if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
@@ -283,42 +288,57 @@ class ResponseEstimator:
             return
         if abs(turn_rate) >= SATURATION * turn_rate_max:
             self._saturated = time
-        free = [time - self._saturated > RECOVERY, True, airspeed is not None]
-        self._add(time, elapsed, measured, self._followed & free & (time - self._begun > BEGIN))
+        measured, begun = (turn_rate, path_angle_rate, airspeed or 0.0), time - self._begun > BEGIN
+        usable = begun and time - self._saturated > RECOVERY, begun, begun and airspeed is not None
+        self._samples.append((time, elapsed, measured, usable))
         self._turn = (self._turn + 1) % (3 * REFINED_EVERY)
         if self._turn % REFINED_EVERY == 0:
+            self._take_in()
             axis = self._turn // REFINED_EVERY
-            found = self._refined(axis)
-            self.channels[axis] = found.judged(self.channels[axis])
+            self.channels[axis] = self._refined(axis).judged(self.channels[axis])
 
-    def _add(
-        self, time: float, elapsed: float, measured: NDArray[np.float64], usable: NDArray[np.bool_]
-    ) -> None:
+    def _take_in(self) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""
-        weights = (usable & self._used).astype(float)
-        kept, forgotten = math.exp(-elapsed / WASHOUT), math.exp(-elapsed / MEMORY)
-        y = kept * (self._measured_passed + weights * (measured - self._measured))
-        self._measured_passed, self._measured, self._used = y, measured, usable
-        responses, weight = self._candidates.at(time), weights[:, np.newaxis, np.newaxis]
-        passed = kept * (self._passed + weight * (responses - self._before))
-        self._before, self._passed = responses, passed
-        self._power = forgotten * self._power + weight * passed**2
-        self._product = forgotten * self._product + passed * (weights * y)[:, None, None]
-        successive = weight * passed[:, :-1] * passed[:, 1:]
-        self._following = forgotten * self._following + successive
-        nearest = passed.reshape(3, -1)[range(3), self._nearest]
-        residual = weights * (y - self._gains * nearest)
-        new = weights, weights * (y * y), residual * self._residual, residual * residual
-        self._sums, self._residual = forgotten * self._sums + new, residual
+        times, elapsed, measured, usable = map(np.array, zip(*self._samples, strict=True))
+        self._samples.clear()
+        weights = self._followed & usable & np.vstack([self._used, usable[:-1]])
+        responses = np.concatenate(
+            [self._candidates.at(times).reshape(len(times), 3, -1), measured[:, :, np.newaxis]],
+            axis=2,
+        )
+        passed = np.diff(responses, axis=0, prepend=self._before[np.newaxis])
+        passed *= weights[:, :, np.newaxis]
+        befores, kept = [self._passed, *passed[:-1]], np.exp(elapsed / -WASHOUT)
+        for before, after, share in zip(befores, passed, kept, strict=True):
+            after += before
+            after *= share
+        self._before, self._passed, self._used = responses[-1], passed[-1], usable[-1]
+
+        until = np.cumsum(elapsed)[:, np.newaxis]
+        remembered, forgotten = np.exp((until - until[-1]) / MEMORY), np.exp(until[-1] / -MEMORY)
+        weighed = (weights * remembered)[:, :, np.newaxis] * passed
+        next_dead_time = weighed[:, :, : -1 - len(LAGS)] * passed[:, :, len(LAGS) : -1]
+        self._power = forgotten * self._power + (weighed * passed).sum(0)
+        self._product = forgotten * self._product + (weighed * passed[:, :, -1:]).sum(0)
+        self._following = forgotten * self._following + next_dead_time.sum(0)
+        residual = weights * (passed[:, :, -1] - self._gains * passed[:, range(3), self._nearest])
+        successive = residual * np.vstack([self._residual, residual[:-1]])
+        self._sums, self._residual = (
+            forgotten * self._sums + (remembered * (weights, successive, residual**2)).sum(1),
+            residual[-1],
+        )
 
     def _refined(self, axis: int) -> ChannelResponse:
         """Minimum of J and its curvature."""
-        power, following = self._power[axis], self._following[axis]
-        weight, squared_response, successive, squared = self._sums[:, axis].tolist()
-        if not np.any(power > 0.0):
+        power, product, following = (
+            sums[axis, : len(DEAD_TIMES) * len(LAGS)].reshape(-1, len(LAGS))
+            for sums in (self._power, self._product, self._following)
+        )
+        weight, successive, squared = self._sums[:, axis].tolist()
+        if not power.any():
             return ChannelResponse()
-        dead_times, gains, explained, bends = _between(power, self._product[axis], following)
-        valley = squared_response - explained
+        dead_times, gains, explained, bends = _between(power, product, following)
+        valley = self._power[axis, -1] - explained
         # Along the valley, over the lag.
         best = min(max(int(np.argmin(valley)), 1), len(LAGS) - 2)
         three = slice(best - 1, best + 2)
@@ -332,13 +352,11 @@ class ResponseEstimator:
 
         correlation = successive / squared if squared > 0.0 else 0.0
         correlation = min(max(correlation, 0.0), CORRELATION_LIMIT)
-        variance = max(least, 0.0) / max(weight - 4.0, 1.0)
         # as if a residual was independent of the one before
-        variance *= (1.0 + correlation) / (1.0 - correlation)
-        variance += NOISE_FLOOR[axis] ** 2
+        alone = (1.0 + correlation) / (1.0 - correlation)
+        variance = max(least, 0.0) / max(weight - 4.0, 1.0) * alone + NOISE_FLOOR[axis] ** 2
         along = math.sqrt(2.0 * variance / max(bend, 1e-300))
-        lag_rounding, delay_rounding, gain_rounding = ROUNDING
-        lag_deviation = math.hypot(along, lag_rounding)
+        lag_deviation = math.hypot(along, LAG_ROUNDING)
         of_dead_time = math.sqrt(2.0 * variance / max(float(bends[best]), 1e-300))
         of_gain = math.sqrt(variance / max(float(power[nearest, best]), 1e-300))
         return ChannelResponse(
@@ -347,26 +365,9 @@ class ResponseEstimator:
             gain=gain,
             lag_deviation=lag_deviation,
             dead_time_deviation=math.hypot(lag_deviation, of_dead_time),
-            delay_deviation=math.hypot(delay_slope * along, of_dead_time, delay_rounding),
-            gain_deviation=math.hypot(gain_slope * along, of_gain, gain_rounding),
+            delay_deviation=math.hypot(delay_slope * along, of_dead_time, DELAY_ROUNDING),
+            gain_deviation=math.hypot(gain_slope * along, of_gain, GAIN_ROUNDING),
         )
-
-
-def _flown(
-    piece: SimpleNamespace, since: float | NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Rates by each lag, shape (3, lags, ...), and airspeed gained, shape (lags, ...), in a piece.
-
-    Args:
-        piece: By :data:`PIECE`, of one or of several.
-        since: For how long it has lasted in [s], of each.
-    """
-    held = piece.held[:, np.newaxis]
-    begun = piece.rates.reshape(3, len(LAGS), *np.shape(since))
-    rates = held + (begun - held) * np.exp(np.multiply.outer(-_RATES, since))
-    # The integral of what is lacking is tau times the part that has decayed.
-    decayed = (begun - rates)[ACCELERATION].T / _RATES
-    return rates, piece.gained + held[ACCELERATION] * since + decayed.T
 
 
 def _between(
@@ -389,9 +390,7 @@ def _between(
     apart = np.maximum(p + q - 2.0 * a, 1e-12 * (p + q) + 1e-300)  # (x_i+1 - x_i)^2
     determinant = np.maximum(p * q - a * a, 1e-300)
     first, second = (q * y - a * z) / determinant, (p * z - a * y) / determinant
-    share = second / np.where(first + second > 0.0, first + second, math.inf)
-    share = np.clip(share, 0.0, 1.0)
-    share = np.where((first > 0.0) | (second > 0.0), share, 0.0)
+    share = np.clip(second / np.where(first + second > 0.0, first + second, math.inf), 0.0, 1.0)
     mixed = y + share * (z - y)
     mixed_power = (1.0 - share) ** 2 * p + 2.0 * share * (1.0 - share) * a + share**2 * q
     gain = np.clip(mixed / np.maximum(mixed_power, 1e-300), *GAIN_LIMITS)
@@ -411,9 +410,9 @@ def _minimum(
 ) -> tuple[float, float, float]:
     """Of the parabola through three points, inside of them: where, how much, second derivative."""
     left, middle, right = points.tolist()
-    _, slope, bend = _parabola(points, values, middle)
+    there, slope, bend = _parabola(points, values, middle)
     where = min(max(middle - slope / bend, left), right) if bend > 0.0 else middle
-    there, _, _ = _parabola(points, values, where)
+    there += (where - middle) * (slope + 0.5 * (where - middle) * bend)
     # At the edge of the grid the cost may bend the other way.
     least = 2.0 * abs(float(values[2] - values[0])) / (right - left) ** 2
     return where, there, max(bend, least)
@@ -423,5 +422,11 @@ def _parabola(
     points: NDArray[np.float64], values: NDArray[np.float64], where: float
 ) -> tuple[float, float, float]:
     """Value, slope and second derivative at a place of the parabola through three points."""
-    value, slope, bend = np.linalg.solve(np.vander(points - where, increasing=True), values)
-    return float(value), float(slope), 2.0 * float(bend)
+    (left, middle, right), (first, second, third) = points.tolist(), values.tolist()
+    slope = (second - first) / (middle - left)
+    bend = ((third - second) / (right - middle) - slope) / (right - left)
+    return (
+        first + (where - left) * (slope + (where - middle) * bend),
+        slope + (2.0 * where - left - middle) * bend,
+        2.0 * bend,
+    )

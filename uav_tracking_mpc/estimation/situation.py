@@ -27,6 +27,8 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -98,7 +100,7 @@ class Situation:
         """Velocity through the air, shape (3,), in [m/s]."""
         return velocity(self.vehicle)
 
-    @property
+    @cached_property
     def relative_velocity(self) -> NDArray[np.float64]:
         """Rate of :attr:`offset`: air velocity plus drift, shape (3,), in [m/s]."""
         return self.air_velocity + self.drift
@@ -117,14 +119,14 @@ class Situation:
         x, y, z = self.offset.tolist()
         east, north, _ = self.relative_velocity.tolist()
         *_, path_angle, airspeed = self.vehicle.tolist()
-        bearing = math.atan2(north, east) - math.atan2(y, x) - math.pi - orbit.bearing
-        bearing = math.remainder(bearing, 2.0 * math.pi)
+        bearing = math.remainder(
+            math.atan2(north, east) - math.atan2(y, x) - math.pi - orbit.bearing, 2.0 * math.pi
+        )
         range_, altitude = orbit.errors_at(x, y, z)
         return np.array([range_, bearing, altitude, path_angle, airspeed - orbit.speed])
 
 
-@dataclass(frozen=True)
-class Forecast:
+class Forecast(NamedTuple):
     """Target and drift at the stages 0..N of a plan.
 
     Attributes:

@@ -117,8 +117,11 @@ class StateGate:
         moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
         # A gap that a clock has seen as well is one of the messages, not of the stamps. Simulated
         # time may pass many times as fast as that of the steady clock.
-        ahead = step, abs(step - waited), self._ahead(measurement.stamp, now)
-        ordinary = step > 0.0 and any(one <= self.timeout for one in ahead)
+        ordinary = step > 0.0 and (
+            step <= self.timeout
+            or abs(step - waited) <= self.timeout
+            or self._ahead(measurement.stamp, now) <= self.timeout
+        )
         if ordinary and not moved:
             return self._believe(measurement, arrival, now, Verdict.USE)
         if step < 0.0:
@@ -176,21 +179,23 @@ def _change(
     """
     step = after.stamp - before.stamp
     apart = after.position - before.position
-    if not apart.any() or not (before.placed and after.placed):
+    distance = math.hypot(*apart.tolist())
+    if not distance > 0.0:  # also where it is no number
         return step, 0.0
-    return step, min(math.hypot(*apart.tolist()), math.hypot(*(apart - flown).tolist()))
+    return step, min(distance, math.hypot(*(apart - flown).tolist()))
 
 
 def _repeats(before: Measurement, after: Measurement) -> bool:
     """Whether nothing has changed but the stamp, though the aircraft moves: nobody measures."""
-    told, again = (
-        (each.heading, each.path_angle, each.position.tolist(), each.ground_velocity.tolist())
-        for each in (before, after)
+    return (
+        before.heading == after.heading
+        and before.path_angle == after.path_angle
+        and before.position.tolist() == after.position.tolist()
+        and before.ground_velocity.tolist() == after.ground_velocity.tolist()
+        and any(after.ground_velocity.tolist())
     )
-    return told == again and any(after.ground_velocity.tolist())
 
 
 def _explained(measurement: Measurement, step: float) -> float:
     """Greatest distance [m] that motion and noise explain in a time [s]."""
-    noise = max(measurement.noise.position)
-    return JUMP_MIN + NOISE_MULTIPLE * noise + SPEED_LIMIT * step
+    return JUMP_MIN + NOISE_MULTIPLE * max(measurement.noise.position) + SPEED_LIMIT * step

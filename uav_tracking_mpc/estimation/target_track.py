@@ -345,18 +345,10 @@ class TargetTrack:
         transition, noise = singer_motion(elapsed)
         travelled, left = self.bridge(elapsed)
         carried = singer_motion(travelled)[0] * [[1.0], [left], [left]]
-        SEEN.fill(
-            self._step.arguments[1],
-            elapsed=elapsed,
-            row=np.eye(3)[order],
-            measured=measured,
-            variances=variances,
-            gate=gate,
-            doubted=doubted,
-            transition=transition.ravel(),
-            noise=noise.ravel(),
-            carried=carried.ravel(),
-        )
+        self._step.arguments[1][:] = [  # in the order of SEEN
+            elapsed, *np.eye(3)[order], *measured, *variances, gate, doubted,
+            *transition.ravel(), *noise.ravel(), *carried.ravel(),
+        ]  # fmt: skip
         self._step.evaluate()
         after, taken = self._step.results
         if taken[0]:

@@ -183,8 +183,8 @@ class FlightFormulation:
         state, _, decided = self._turn_acceleration.arguments
         state[:], decided[:] = x_0, decision
         self._turn_acceleration.evaluate()
-        (acceleration,) = self._turn_acceleration.results[0].tolist()
-        return 0.5 * (self.step - 1.0 / self.parameters.control_rate) * float(acceleration)
+        acceleration = float(self._turn_acceleration.results[0][0])
+        return 0.5 * (self.step - 1.0 / self.parameters.control_rate) * acceleration
 
     def initial_state(self, situation: Situation) -> NDArray[np.float64]:
         """x_0 of the problem, shape (nx,).

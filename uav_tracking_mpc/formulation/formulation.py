@@ -17,8 +17,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +37,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.terminal.decrease import DecreaseCheck, DecreaseMonitor
 
 
-@dataclass(frozen=True)
-class Plan:
+class Plan(NamedTuple):
     """Answer of a formulation.
 
     Attributes:

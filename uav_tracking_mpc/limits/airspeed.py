@@ -156,10 +156,8 @@ class Force(AirspeedSpan):
     def _lines(self, airspeed: Any) -> tuple[Any, Any]:
         """Least and greatest specific force on the lines, beyond their ends too, in [m/s^2]."""
         share = (airspeed - self.airspeed_min) / (self.airspeed_max - self.airspeed_min)
-        lower, upper = (
-            slow + share * (fast - slow) for slow, fast in (self.force_min, self.force_max)
-        )
-        return lower, upper
+        (least, least_fast), (most, most_fast) = self.force_min, self.force_max
+        return least + share * (least_fast - least), most + share * (most_fast - most)
 
     def force_limits(self, airspeed: float) -> tuple[float, float]:
         """Least and greatest specific force in [m/s^2].

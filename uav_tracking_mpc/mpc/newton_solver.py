@@ -433,5 +433,4 @@ class NewtonSolver:
         return f"failed: no step lowers the cost, gradient {gradient:.3g}"
 
     def _without_plan(self, status: Status, reason: str, begin: float) -> Solution:
-        elapsed = time.perf_counter() - begin
-        return Solution.without_plan(self.problem, status, reason, elapsed)
+        return Solution.without_plan(self.problem, status, reason, time.perf_counter() - begin)

@@ -43,7 +43,7 @@ from uav_tracking_mpc.nodes.controller_report import ControllerReport, Controlle
 from uav_tracking_mpc.nodes.messages import conversions
 from uav_tracking_mpc.nodes.messages.conversions import target_from_odometry
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
-from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
+from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
 from uav_tracking_mpc.nodes.ros.diagnostics import DuplicateSenders
 from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, listen, publish, steady_timer
@@ -111,8 +111,8 @@ class MessageTimes:
         Raises:
             MessageError: It has no stamp, and must have one.
         """
-        stamp, now = conversions.nanoseconds(message.header.stamp), self._clock()
-        if stamp == 0 and now >= BEGINNING:
+        stamp = conversions.nanoseconds(message.header.stamp)
+        if stamp == 0 and (now := self._clock()) >= BEGINNING:
             stamp = now
             words = f"{topic.name}: header.stamp is 0"
             if topic not in BY_HAND:
@@ -184,7 +184,7 @@ class NmpcController(ManagedNode):
         self._newest = -math.inf  # stamp of that state [s]; a controller that is stopped forgets it
         self._activated = -math.inf  # when it was activated, steady [s]
         self._engaged = True  # until an autopilot's link says otherwise
-        self._paths = CommandPaths()
+        self._paths, self._states = CommandPaths(), OdometryWire()
         self._views = ControllerViews(self)
         self._name_frames()
         self.report = ControllerReport(self)
@@ -365,7 +365,7 @@ class NmpcController(ManagedNode):
             self.controller.engage(self._engaged and commanding)
 
     def _on_odometry(self, data: bytes, controller: Controller) -> None:
-        message = deserialized(ODOMETRY, data)
+        message = self._states.read(data)
         arrival, before = time.monotonic(), controller.state_time
         fresh = self._stall.alive(arrival)
         stamp = self._times.measured(ODOMETRY, message)

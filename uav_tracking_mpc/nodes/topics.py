@@ -301,13 +301,13 @@ def finite_vector(
     Raises:
         MessageError: A component is not finite or beyond the limit.
     """
-    values = np.array([message.x, message.y, message.z], dtype=float)
+    values = [message.x, message.y, message.z]
     for axis, value in zip("xyz", values, strict=True):
         if not abs(value) <= limit:
             raise MessageError(
                 f"{topic.name}: {name}.{axis} is {value}, must be finite and within {limit:g}"
             )
-    return values
+    return np.array(values, dtype=float)
 
 
 def check_header(topic: Topic, header: Header, frame: str) -> None:

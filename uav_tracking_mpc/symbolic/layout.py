@@ -65,16 +65,6 @@ class Layout:
         """
         return vector[self._slices[name]]
 
-    def fill(self, vector: NDArray[np.float64], **values: ArrayLike) -> None:
-        """Write parts of an array.
-
-        Args:
-            vector: Shape (size,).
-            values: Of parts by name.
-        """
-        for name, value in values.items():
-            vector[self._slices[name]] = value
-
     def symbol(self, name: str) -> tuple[ca.SX, SimpleNamespace]:
         """A column of new symbols, and its parts.
 

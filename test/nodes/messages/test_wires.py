@@ -26,6 +26,7 @@ from uav_tracking_mpc.dynamics.frames import quaternion_from_course
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
 from uav_tracking_mpc.nodes.messages.wires import (
     CommandWire,
+    OdometryWire,
     command_segments,
     deserialized,
     even_command,
@@ -162,3 +163,55 @@ def test_what_is_no_message_is_refused_in_words(data):
     with pytest.raises(MessageError, match="uav/odometry: no message"):
         deserialized(ODOMETRY, data)
     assert deserialized(ODOMETRY, serialize_message(ODOMETRY.type())) == ODOMETRY.type()
+
+
+def odometry(stamp, numbers, frame="map", child="base_link"):
+    message = ODOMETRY.type()
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 10**9)
+    message.header.frame_id, message.child_frame_id = frame, child
+    place, attitude = message.pose.pose.position, message.pose.pose.orientation
+    place.x, place.y, place.z, attitude.x, attitude.y, attitude.z, attitude.w = numbers[:7]
+    message.pose.covariance[:], message.twist.covariance[:] = numbers[7:43], numbers[49:]
+    linear, angular = message.twist.twist.linear, message.twist.twist.angular
+    linear.x, linear.y, linear.z, angular.x, angular.y, angular.z = numbers[43:49]
+    return message
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(0, 2**31 * 10**9 - 1),
+            st.lists(st.floats(), min_size=85, max_size=85),
+            st.sampled_from(["map", "", "odometry", "k\u00e4rte"]),
+            st.sampled_from(["base_link", "uav1/base_link", "a"]),
+        ),
+        min_size=1,
+        max_size=5,
+    )
+)
+def test_a_state_is_read_as_the_middleware_reads_it(messages):
+    wire = OdometryWire()
+    for stamp, numbers, *frames in messages:
+        data = bytes(serialize_message(odometry(stamp, numbers, *frames)))
+        for read in (wire.read(data), wire.read(data)):  # the second one in place
+            assert bytes(serialize_message(read)) == bytes(
+                serialize_message(deserialize_message(data, ODOMETRY.type))
+            )
+
+
+def test_a_state_whose_numbers_are_not_its_end_is_read_by_the_middleware():
+    wire, data = (
+        OdometryWire(),
+        bytes(serialize_message(odometry(1, [float(k) for k in range(85)]))),
+    )
+    for _ in range(2):
+        assert wire.read(data + bytes(8)).twist.covariance[-1] == 84.0
+
+
+def test_what_is_no_state_is_refused_and_the_next_one_read():
+    wire, data = OdometryWire(), bytes(serialize_message(odometry(1, [1.0] * 85)))
+    for _ in range(2):
+        assert wire.read(data).pose.pose.position.x == 1.0
+        for broken in (b"", data[:3], data[:12], data[:-8]):
+            with pytest.raises(MessageError, match="uav/odometry: no message"):
+                wire.read(broken)

@@ -16,7 +16,6 @@
 
 import contextlib
 import json
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -92,7 +91,7 @@ def test_a_state_that_nobody_solved_is_nobodys_best(monkeypatch):
     case = paper_case(10)
     records = measure(case, {OURS: paper_solver()}, repetitions=1, cold=2, peers_cold=2, seed=0)
     (plan, duration), other = records[OURS].cold
-    records[OURS].cold[:] = [(replace(plan, status=Status.ITERATION_LIMIT), duration), other]
+    records[OURS].cold[:] = [(plan._replace(status=Status.ITERATION_LIMIT), duration), other]
     assert summary(records)[OURS]["best_cost_share"] == 0.5
 
 

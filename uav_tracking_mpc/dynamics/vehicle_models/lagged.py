@@ -65,10 +65,8 @@ class Lagged(VehicleModel):
             tau (1 - e^(-t/tau)) after half the step and after all of it in [s], and e^(-t/tau)
             after all of it, for each of the three rates, shape (9,).
         """
-        half, whole = (
-            [math.exp(-share * duration / tau) if tau > 0.0 else 0.0 for tau in self.rate_lag]
-            for share in (0.5, 1.0)
-        )
+        half = [math.exp(-0.5 * duration / tau) if tau > 0.0 else 0.0 for tau in self.rate_lag]
+        whole = [share**2 for share in half]
         led = [
             tau * (1.0 - share)
             for shares in (half, whole)

@@ -273,10 +273,16 @@ def measurement_from_odometry(
     q = pose.orientation
     directions = _course(ODOMETRY, q)
     rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
-    course = *directions, *course_rates(rotation, angular)
-    noise, bank = noise_from_odometry(message, rotation), bank_from_quaternion(q.x, q.y, q.z, q.w)
-    banked = bank if abs(bank) > WINGS_LEVEL else None
-    return Measurement(stamp, position, rotation @ ground, *course, noise=noise, bank=banked)
+    bank = bank_from_quaternion(q.x, q.y, q.z, q.w)
+    return Measurement(
+        stamp,
+        position,
+        rotation @ ground,
+        *directions,
+        *course_rates(rotation, angular),
+        noise=noise_from_odometry(message, rotation),
+        bank=bank if abs(bank) > WINGS_LEVEL else None,
+    )
 
 
 def _course(topic: Topic, q: Quaternion) -> tuple[float, float]:
