@@ -115,6 +115,22 @@ def contradicted(measured, duration, moved=lambda time: 0.0, fresh=True, check=N
     return found, check
 
 
+@pytest.mark.parametrize(("off", "left_out"), [(0.0, False), (8.0, True)])
+def test_a_velocity_is_contradicted_by_noisy_positions_too_but_not_by_noise(off, left_out):
+    """By windows that last until noise hides it no more."""
+    random, measured, noise = np.random.default_rng(3), np.add(EXPECTED, (0.0, off, 0.0)), 1.5
+    check = velocity_check(np.zeros(3), measured)
+    found = [
+        is_contrary(
+            check, STEP, k * STEP * EXPECTED + noise * random.standard_normal(3), True, measured,
+            noise,
+        )
+        for k in range(1, round(60.0 / STEP))
+    ]  # fmt: skip
+    assert any(found) == left_out
+    assert found[-1] == left_out
+
+
 @pytest.mark.parametrize("gain", [-1.0, 0.0, 0.8, 1.2, 2.0])
 def test_a_velocity_that_positions_contradict_for_seconds_is_left_out(gain):
     found, check = contradicted(gain * EXPECTED, 10.0)

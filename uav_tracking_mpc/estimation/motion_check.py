@@ -39,7 +39,7 @@ RETURN = 0.5  # -, share of its limits that what was left out must keep to befor
 # Ground velocity
 ODD = 10.0  # m/s, beyond gusts: a ground velocity that differs by more from the expected is odd
 SUDDEN, STEEPEST = 5.0, 30.0  # m/s, m/s^2: a change beyond SUDDEN + STEEPEST times is no gust's
-WINDOW = 1.0  # s, length of a window, at whose end positions tell which velocity was flown
+WINDOW = 1.0  # s, least length of a window, at whose end positions tell which velocity was flown
 # m/s, s: positions contradict a velocity if the way flown differs from it by more than CONTRARY,
 # besides the noise of positions, for CONTRARY_TIME: a position that jumps and comes back takes two
 # windows
@@ -100,13 +100,15 @@ def velocity_checked(
     far = ca.norm_2(measured - expected) > ODD + explained
     time, way = known.time + elapsed, known.way + 0.5 * elapsed * (known.before + measured)
     by_expected = known.by_expected + elapsed * expected
-    full = fresh * (time >= WINDOW)
     flown = position - known.begin
     difference = flown - way
     difference[2] *= flown[2] != 0.0  # a height that stays the same is judged by itself
     error, error_before = ca.norm_2(difference), ca.norm_2(known.error)
-    changed = full * far * known.odd * (error < ca.norm_2(flown - by_expected))
     limit = CONTRARY * time + NOISE_MULTIPLE * noise
+    # Where nothing is odd yet, a window lasts until noise is the lesser part of what it allows.
+    seen = ca.logic_or(ca.logic_or(far, error > limit), CONTRARY * time >= NOISE_MULTIPLE * noise)
+    full = fresh * (time >= WINDOW) * seen
+    changed = full * far * known.odd * (error < ca.norm_2(flown - by_expected))
     along = ca.dot(difference, known.error) > ALIKE * error * error_before
     kept = ca.logic_and(known.contrary >= CONTRARY_TIME, error > RETURN * limit)
     contrary = ca.fmin(ca.if_else(along, known.contrary, 0.0) + WINDOW, CONTRARY_TIME)
