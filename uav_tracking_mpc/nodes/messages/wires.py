@@ -97,7 +97,7 @@ class CommandWire:
             states = path.states[:-1]
             values[:, PLACE] = states[:, :3]
             quaternions = quaternion_from_course(states[:, 3], states[:, 4], np)
-            values[:, ATTITUDE] = np.column_stack(quaternions)
+            values[:, ATTITUDE] = np.array(quaternions).T
             values[:, VELOCITY] = path.ground_velocities[:-1]
         _numbers(self._buffer)[self._places] = values.ravel()
         STAMP.pack_into(self._buffer, ENCAPSULATION, *divmod(stamp, SECOND))
