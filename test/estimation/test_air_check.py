@@ -267,16 +267,16 @@ def test_a_wind_that_is_soon_found_elsewhere_is_no_airspeed_that_jumps(check):
     assert circled(check, rising, 100.0, 105.0, explained=moving)[2] == [["", ""]]
 
 
-def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0, stuck=None):
+def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0, stuck=None, by_nose=0.0):
     """Headings that are gone by, and whether they have jumped."""
     stuck = np.zeros(len(headings)) if stuck is None else stuck
-    alone = np.broadcast_to(alone, len(headings))
+    alone, turn = (np.broadcast_to(each, len(headings)) for each in (alone, turn))
     memory = np.zeros(COMPASS_CHECK.size)
     COMPASS_CHECK.parts(memory).nose[:] = headings[0]
-    check = Evaluated(compass_checked, COMPASS_CHECK, memory, [1, 1, 1, 1, 1, 1])
+    check = Evaluated(compass_checked, COMPASS_CHECK, memory, [1, 1, 1, 1, 1, 1, 1])
     found = [
-        check(step * (k > 0), heading, turn, nobody_else, stands, deviation)
-        for k, (heading, nobody_else, stands) in enumerate(zip(headings, alone, stuck, strict=True))
+        check(step * (k > 0), *seen, by_nose, stands, deviation)
+        for k, (*seen, stands) in enumerate(zip(headings, turn, alone, stuck, strict=True))
     ]
     snapped = np.array([float(angle[0]) for _, angle in found])
     return headings - snapped, (np.abs(snapped) > RETURN * SNAP).tolist()
@@ -308,12 +308,21 @@ def test_what_no_longer_repeats_itself_must_agree_first(before, stuck, after):
 def test_a_heading_that_jumps_without_a_turn_is_taken_back():
     times = STEP * np.arange(200)
     true, jumped = 0.3 * times, (times > 3.0) & (times < 7.0)
-    for alone in (1.0, times < 5.0):  # and stays so if others could judge it meanwhile
-        gone_by, named = compass_verdicts(true + 0.5 * jumped, 0.3, alone=alone)
+    # And stays so if others could judge it meanwhile; the nose's compass is in any case.
+    for alone, by_nose in ((1.0, 0.0), (times < 5.0, 0.0), (0.0, 1.0)):
+        gone_by, named = compass_verdicts(true + 0.5 * jumped, 0.3, alone=alone, by_nose=by_nose)
         assert gone_by == pytest.approx(true)
         assert named == jumped.tolist()
     gone_by, named = compass_verdicts(true + 0.5 * jumped, 0.3, alone=0.0)
     assert gone_by == pytest.approx(true + 0.5 * jumped)  # for others to judge
+    assert not any(named)
+
+
+def test_gyros_that_err_for_a_moment_make_no_compass_leap():
+    times = STEP * np.arange(200)
+    rates = np.where(np.arange(200) == 80, -5.0, 0.3)
+    gone_by, named = compass_verdicts(0.3 * times, rates, alone=0.0, by_nose=1.0)
+    assert gone_by == pytest.approx(0.3 * times)
     assert not any(named)
 
 
@@ -326,14 +335,14 @@ def test_a_noisy_heading_and_one_that_is_seldom_measured_jump_nowhere(step, nois
 
 @pytest.mark.parametrize("bias", [0.0, 0.02])
 def test_a_compass_that_drifts_strays_and_one_beside_gyros_with_a_bias_does_not(bias):
-    memory, sizes = np.zeros(COMPASS_CHECK.size), [1, 1, 1, 1, 1, 1]
+    memory, sizes = np.zeros(COMPASS_CHECK.size), [1, 1, 1, 1, 1, 1, 1]
     check, turn, drift = Evaluated(compass_checked, COMPASS_CHECK, memory, sizes), 0.1, 0.0175
     apart = []
     for k in range(2000):
         time = k * STEP
         nose = turn * time + drift * max(time - 85.0, 0.0)
         nose = math.remainder(nose, math.tau)
-        angle, _ = check(STEP * (k > 0), nose, turn + bias, 0.0, 0.0, 0.0)
+        angle, _ = check(STEP * (k > 0), nose, turn + bias, 0.0, 0.0, 0.0, 0.0)
         apart.append(angle[0])
     assert sum(apart[:1700]) == pytest.approx(0.0, abs=0.01)
     assert sum(apart[1700:1900]) == pytest.approx(10.0 * drift, rel=0.1)

@@ -31,8 +31,8 @@ stays the same to the last bit though the aircraft has been accelerated is left 
 velocity and wind stand in for a sensor until it agrees again.
 
 A compass is compared with the gyros, too: their difference, less the gyros' bias, shows one that
-drifts. Without an airspeed, and until the wind is known, the gyros are all that a heading can be
-compared with: what it has jumped by is then subtracted.
+drifts. What it jumps by is subtracted; so it is of the direction of the air velocity while gyros
+are all that it can be compared with: without an airspeed, and until the wind is known.
 
 These are expressions: :mod:`~uav_tracking_mpc.estimation.air_estimate` compiles them.
 """
@@ -347,6 +347,7 @@ def compass_checked(
     nose: ca.SX,
     turn: ca.SX,
     alone: ca.SX,
+    by_nose: ca.SX,
     stuck: ca.SX,
     deviation: ca.SX,
 ) -> tuple[SimpleNamespace, ca.SX, ca.SX]:
@@ -362,10 +363,13 @@ def compass_checked(
         nose: Where the compass says that the nose points, in [rad].
         turn: How it turns by the gyros, as they are measured, in [rad/s].
         alone: Whether the gyros tell the turn, and nothing else what to make of the heading.
+        by_nose: Whether they tell how the nose turns, so that no air that changes turns the
+            compass beside them.
         stuck: Whether the compass stays the same though the aircraft turns.
         deviation: Standard deviation of the heading's noise in [rad].
     """
-    apart = (elapsed > 0.0) * ca.remainder(nose - known.nose - elapsed * turn, math.tau)
+    turned = ca.remainder(nose - known.nose, math.tau)
+    apart = (elapsed > 0.0) * ca.remainder(turned - elapsed * turn, math.tau)
     unusual, most = apart - elapsed * known.rate, SNAP_RATE * elapsed
     jumps = ca.logic_or(ca.fabs(unusual) > SNAP + most + SNAP_DEVIATIONS * deviation, stuck)
     known_for = ca.fmin(known.known_for + elapsed, GYRO_TIME)
@@ -374,8 +378,10 @@ def compass_checked(
     learnt = ca.fmax(-most, ca.fmin(apart, most)) - elapsed * known.rate
     change = ca.logic_not(jumps) * ca.if_else(known_for > 0.0, learnt / known_for, 0.0)
     strayed = unusual - elapsed * change
-    # A jump that is subtracted is so until the compass has jumped back, whoever may judge by then.
-    alone = ca.logic_or(alone, ca.fabs(known.snapped) > RETURN * SNAP)
+    # It is the compass that leaps if it has turned by more than the gyros say. What is subtracted
+    # is so until it has leapt back, whoever may judge by then.
+    leaps = by_nose * jumps * (ca.fabs(turned) > elapsed * ca.fabs(turn))
+    alone = ca.logic_or(ca.logic_or(alone, leaps), ca.fabs(known.snapped) > RETURN * SNAP)
     jump = alone * jumps * strayed
     snapped = alone * ca.remainder(known.snapped + jump, math.tau)
     after = SimpleNamespace(

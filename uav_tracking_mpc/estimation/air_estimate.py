@@ -263,6 +263,8 @@ def _step() -> ca.Function:
     turn_told = ca.logic_not(seen.turn_told == 0.0)
     level_variances = ca.vertcat(*[ca.mmax(lane.triangle[LEVEL_WIND]) for lane in lanes[1:]])
     wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
+    # What leaps while it is left out may be right again.
+    used = ca.logic_not(ca.logic_or(seen.biased[0], sensors.reasons[air_check.HEADING]))
     unknown = ca.logic_or(no_airspeed_used, sensors.weight[air_check.HEADING] == 0.0)
     compass, strayed, snapped = air_check.compass_checked(
         known.compass,
@@ -270,6 +272,7 @@ def _step() -> ca.Function:
         seen.compass,
         seen.turn_told,
         ca.logic_and(unknown, turn_told),
+        ca.logic_and(turn_told, used),
         seen.stuck[0],
         ca.fmax(ca.sqrt(known.aided.meters.held[0]), seen.noise[0]),
     )
