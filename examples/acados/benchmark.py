@@ -173,7 +173,7 @@ class AcadosPeer:
         best = min(solved, key=lambda each: (not each.converged, each.cost))
         self._last = best if best.converged else None
         total = sum(each.solve_time for each in solved)
-        return Solution(**{**vars(best), "solve_time": total})
+        return best._replace(solve_time=total)
 
     def _solve_from(
         self, guess: PlanGuess, state: NDArray[np.float64], p: NDArray[np.float64], cold: bool

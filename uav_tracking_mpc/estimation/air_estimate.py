@@ -193,13 +193,13 @@ class AirEstimate:
         before = self.found.states.tolist()
         self._step.evaluate()
         self._memory[:], states = self._step.results[0], self.found.states.tolist()
-        # A filter goes on from the one that no wrong sensor has come into. An airspeed that fails
-        # before the wind is known without it leaves at once, and what it has told is worth more.
+        # A filter goes on from the one that no wrong sensor has come into. Before the wind is known
+        # without the airspeed, what one has told until it leapt or fell silent is worth more.
         unknown = not self._known.air.weight[air_check.AIRSPEED]
         for state, earlier, lane in zip(states, before, LANES[1:], strict=False):
             if state != earlier and state != CODE[USED]:
                 main, other = (MEMORY.part(name, self._memory) for name in ("main", lane))
-                if unknown and lane == LANES[NO_AIRSPEED]:
+                if unknown and lane == LANES[NO_AIRSPEED] and state in (CODE[SILENT], CODE[JUMPED]):
                     other[:] = main
                 elif state > CODE[SILENT]:
                     main[:] = other
