@@ -119,6 +119,30 @@ def test_a_heading_that_jumps_before_the_wind_is_known_is_taken_back():
             np.testing.assert_allclose(filter_.state.wind[:2], wind[:2], atol=0.3)
 
 
+def test_a_heading_that_is_found_before_somebody_engages_is_believed():
+    filter_, along, wind = AirFilter(), np.array([SPEED, 0.0, 0.0]), np.array([3.0, -5.0, 0.0])
+    bogus = SPEED * np.array([np.cos(1.5), np.sin(1.5), 0.0])
+    for k in range(round(30.0 / STEP)):
+        if k == 400:
+            filter_.trust_compass()
+        found = k * STEP > 15.0
+        filter_.see(
+            k * STEP, k * STEP * (along + wind), along + wind, along if found else bogus, turn=1e-4
+        )
+    assert filter_.health.states["heading"] == "used"
+    assert filter_.found.vehicle[3] == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_compass_that_is_aligned_on_the_ground_is_believed():
+    filter_ = AirFilter()
+    for k in range(1200):
+        psi = 0.0 if k < 50 else 1.5
+        nose = np.array([np.cos(psi), np.sin(psi), 0.0])
+        filter_.see(k * STEP, np.zeros(3), np.zeros(3), nose, turn=1e-4)
+    assert filter_.health.states["heading"] == "used"
+    assert filter_.found.vehicle[3] == pytest.approx(1.5, abs=0.05)
+
+
 @pytest.mark.parametrize("off", [8.0, -8.0])
 def test_an_airspeed_that_leaps_before_the_wind_is_known_is_left_out_until_it_agrees(off):
     """No gust changes it as quickly; and what it has told of the wind before tells it meanwhile."""

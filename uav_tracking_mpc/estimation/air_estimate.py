@@ -40,6 +40,7 @@ from uav_tracking_mpc.estimation import (
     rate_aided,
     wind_filter,
 )
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.sensor_health import (
     CODE,
@@ -133,6 +134,10 @@ class AirEstimate:
         self._memory[:], self._step.results[1][:] = MEMORY.begin, 0.0
         self._time: float | None = None
         self.health = SensorHealth()
+
+    def trust_compass(self) -> None:
+        """Take it as it is: an autopilot that finds its heading after take-off makes it jump."""
+        self._known.compass.snapped[:] = 0.0
 
     def _forget(self, *names: str) -> None:
         for name in names:
@@ -263,16 +268,17 @@ def _step() -> ca.Function:
     turn_told = ca.logic_not(seen.turn_told == 0.0)
     level_variances = ca.vertcat(*[ca.mmax(lane.triangle[LEVEL_WIND]) for lane in lanes[1:]])
     wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
-    # What leaps while it is left out may be right again.
+    # What leaps while it is left out may be right again, and on the ground it is aligned.
     used = ca.logic_not(ca.logic_or(seen.biased[0], sensors.reasons[air_check.HEADING]))
+    gyros = ca.logic_and(turn_told, ca.norm_2(seen.ground[:2]) > LEAST_AIRSPEED)
     unknown = ca.logic_or(no_airspeed_used, sensors.weight[air_check.HEADING] == 0.0)
     compass, strayed, snapped = air_check.compass_checked(
         known.compass,
         dt,
         seen.compass,
         seen.turn_told,
-        ca.logic_and(unknown, turn_told),
-        ca.logic_and(turn_told, used),
+        ca.logic_and(unknown, gyros),
+        ca.logic_and(gyros, used),
         seen.stuck[0],
         ca.fmax(ca.sqrt(known.aided.meters.held[0]), seen.noise[0]),
     )

@@ -274,6 +274,7 @@ class Navigator:
         if engaged != self.engaged:
             self.engaged = engaged
             self._history = CommandHistory(self._history.memory)
+            self.air_estimate.trust_compass()
 
     def begin(self, delay: float) -> None:
         """Count with a latency at once: an average of nothing would take seconds to get there.
