@@ -200,11 +200,12 @@ class AirEstimate:
         self._memory[:], states = self._step.results[0], self.found.states.tolist()
         # A filter goes on from the one that no wrong sensor has come into. Before the wind is known
         # without the airspeed, what one has told until it leapt or fell silent is worth more.
-        unknown = not self._known.air.weight[air_check.AIRSPEED]
+        compared = self._known.air.weight[air_check.AIRSPEED] > 0.0
         for state, earlier, lane in zip(states, before, LANES[1:], strict=False):
             if state != earlier and state != CODE[USED]:
                 main, other = (MEMORY.part(name, self._memory) for name in ("main", lane))
-                if unknown and lane == LANES[NO_AIRSPEED] and state in (CODE[SILENT], CODE[JUMPED]):
+                told_before = lane == LANES[NO_AIRSPEED] and state in (CODE[SILENT], CODE[JUMPED])
+                if told_before and not compared:
                     other[:] = main
                 elif state > CODE[SILENT]:
                     main[:] = other
@@ -268,17 +269,18 @@ def _step() -> ca.Function:
     turn_told = ca.logic_not(seen.turn_told == 0.0)
     level_variances = ca.vertcat(*[ca.mmax(lane.triangle[LEVEL_WIND]) for lane in lanes[1:]])
     wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
-    # What leaps while it is left out may be right again, and on the ground it is aligned.
-    used = ca.logic_not(ca.logic_or(seen.biased[0], sensors.reasons[air_check.HEADING]))
-    gyros = ca.logic_and(turn_told, ca.norm_2(seen.ground[:2]) > LEAST_AIRSPEED)
-    unknown = ca.logic_or(no_airspeed_used, sensors.weight[air_check.HEADING] == 0.0)
+    # A compass that leaps on the ground is aligned; one that is left out may be right again.
+    gyros_judge = ca.logic_and(turn_told, ca.norm_2(seen.ground[:2]) > LEAST_AIRSPEED)
+    nobody_else = ca.logic_or(no_airspeed_used, sensors.weight[air_check.HEADING] == 0.0)
+    left_out = sensors.reasons[air_check.HEADING] > 0.0
+    nose_used = ca.logic_not(ca.logic_or(seen.biased[0], left_out))
     compass, strayed, snapped = air_check.compass_checked(
         known.compass,
         dt,
         seen.compass,
         seen.turn_told,
-        ca.logic_and(unknown, gyros),
-        ca.logic_and(gyros, used),
+        ca.logic_and(gyros_judge, nobody_else),
+        ca.logic_and(gyros_judge, nose_used),
         seen.stuck[0],
         ca.fmax(ca.sqrt(known.aided.meters.held[0]), seen.noise[0]),
     )
