@@ -21,7 +21,10 @@ import pytest
 from evaluated_check import Evaluated
 
 from uav_tracking_mpc.estimation.motion_check import (
+    ASTRAY,
+    BY_WIND,
     CONTRARY_TIME,
+    DEVIATIONS,
     JUMP,
     JUMP_TIME,
     ODD,
@@ -201,13 +204,13 @@ def test_positions_alone_tell_the_velocity_of_an_aircraft_that_turns(step):
 def placed(offset, duration, present=True):
     """States, whether they are used, and moves of positions that are elsewhere from the second."""
     check = Evaluated(
-        position_checked, POSITION_CHECK, np.zeros(POSITION_CHECK.size), [1, 3, 1, 3, 1, 1]
+        position_checked, POSITION_CHECK, np.zeros(POSITION_CHECK.size), [1, 3, 1, 3, 1, 1, 1]
     )
     rows = []
     for k in range(1, round(duration / STEP)):
         carried = k * STEP * EXPECTED
         seen = carried + np.array([offset, 0.0, 0.0]) * (k > 1)
-        code, place, _, moved, _ = check(STEP, seen, present, carried, EXPECTED[2], 0.1)
+        code, place, _, moved, _ = check(STEP, seen, present, carried, EXPECTED[2], 0.1, 0.0)
         rows.append((STATES[int(code[0])], bool(present and (place == seen).all()), bool(moved[0])))
     return rows
 
@@ -215,12 +218,12 @@ def placed(offset, duration, present=True):
 @pytest.mark.parametrize("climb", [1.0, -1.0])
 def test_a_height_that_stays_while_the_aircraft_climbs_is_stuck_until_it_changes(climb):
     zeros = np.zeros(POSITION_CHECK.size)
-    check = Evaluated(position_checked, POSITION_CHECK, zeros, [1, 3, 1, 3, 1, 1])
+    check = Evaluated(position_checked, POSITION_CHECK, zeros, [1, 3, 1, 3, 1, 1, 1])
     carried, states = np.array([0.0, 0.0, 100.0]), []
     for k in range(round(6.0 / STEP)):
         carried += STEP * np.array([20.0, 0.0, climb])
         seen = [*carried[:2], 100.0 if k * STEP < 4.0 else carried[2]]
-        code, place, *_ = check(STEP, seen, 1.0, carried, climb, 0.0)
+        code, place, *_ = check(STEP, seen, 1.0, carried, climb, 0.0, 0.0)
         states.append(STATES[int(code[0])])
         waits = not k or k * STEP * abs(climb) <= STANDING * JUMP
         assert waits or place == pytest.approx(carried)
@@ -236,13 +239,13 @@ def test_a_height_that_is_seldom_measured_is_stuck_only_beside_new_places(
     standing, states, between
 ):
     zeros = np.zeros(POSITION_CHECK.size)
-    check = Evaluated(position_checked, POSITION_CHECK, zeros, [1, 3, 1, 3, 1, 1])
+    check = Evaluated(position_checked, POSITION_CHECK, zeros, [1, 3, 1, 3, 1, 1, 1])
     carried, found = np.zeros(3), []
     for k in range(round(6.0 / STEP)):
         present = 1.0 if k % 20 == 0 else between  # every second
         if k % 20 == 0:
             seen = carried * [1.0, 1.0, not standing]
-        code, *_ = check(STEP, seen, present, carried, 3.0, 0.0)
+        code, *_ = check(STEP, seen, present, carried, 3.0, 0.0, 0.0)
         found.append(STATES[int(code[0])])
         carried += STEP * np.array([20.0, 0.0, 3.0])
     assert set(found) == states
@@ -263,3 +266,19 @@ def test_a_position_that_is_near_is_used_and_an_absent_one_is_silent():
     assert begins * STEP == pytest.approx(STALE, abs=2.0 * STEP)
     assert set(absent[:begins]) == {("used", False, False)}
     assert set(absent[begins:]) == {("silent", False, False)}
+
+
+@pytest.mark.parametrize(("odd", "pace"), [(0.0, ASTRAY), (1.0, BY_WIND)])
+@pytest.mark.parametrize(("share", "taken"), [(0.8, True), (1.5, False)])
+def test_a_position_that_returns_is_believed_as_far_as_the_one_carried_on_may_err(
+    odd, pace, share, taken
+):
+    zeros, silence, carried = np.zeros(POSITION_CHECK.size), 20.0, np.zeros(3)
+    check = Evaluated(position_checked, POSITION_CHECK, zeros, [1, 3, 1, 3, 1, 1, 1])
+    for k in range(round(silence / STEP)):
+        check(STEP, carried, float(k == 0), carried, 0.0, 0.0, odd)
+    returned = np.array([share * DEVIATIONS * pace * (silence - STALE), 0.0, 0.0])
+    code, place, _, moved, _ = check(STEP, returned, 1.0, carried, 0.0, 0.0, odd)
+    assert STATES[int(code[0])] == ("used" if taken else "jumped")
+    assert bool(moved[0]) == bool((place == returned).all()) == taken
+    assert not POSITION_CHECK.parts(check.memory).faded.any()

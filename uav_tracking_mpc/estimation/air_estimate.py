@@ -104,11 +104,12 @@ MEMORY = Layout(
 # gusts [m^2/s^3]. State of each sensor, whether the heading has jumped, and the air changed; the
 # mean wind without the airspeed [m/s], whether it is known, the standard deviation of what ground
 # velocity and wind tell of the airspeed [m/s]; by how much an airspeed that is still used may be
-# too high, and too low [m/s]; and the standard deviation of positions [m].
+# too high, and too low [m/s]; the standard deviation of positions [m], and by how much one that is
+# carried on may err [m].
 FOUND = Layout(
     vehicle=6, rates=3, wind=3, trend=3, gust=3, times=3, walk=1,
     states=4, snapped=1, changed=1, without=3, known=1, deviation=1, doubts=2,
-    position_noise=1,
+    position_noise=1, astray=1,
 )  # fmt: skip
 
 
@@ -318,9 +319,8 @@ def _step() -> ca.Function:
     scatter *= fresh * (ca.mmax(seen.position_noise) == 0.0)
     deviation = ca.sqrt(ca.fmax(position_noise**2, scatter))
     placed, code, position, seen_axes, moved, scattered = motion_check.position_checked(
-        place, dt, seen.position, seen.placed, carried, used_ground[2], deviation
+        place, dt, seen.position, seen.placed, carried, used_ground[2], deviation, odd
     )
-    placed.faded += ca.if_else(moved, state[P] - position, 0.0)
     # The first positions have been believed too much where they turn out to be noisy; and noise is
     # metered of those that wait, too, or it would never be found.
     believed = ca.fmax(places.held, wind_filter.POSITION_NOISE**2)
@@ -420,6 +420,7 @@ def _step() -> ca.Function:
         walk=walks[0],
         doubts=air.doubts,
         position_noise=ca.sqrt(ca.fmax(metered_places.held, 0.0)),
+        astray=placed.astray,
     )
     return ca.Function(
         "air_estimate", [memory, measured], [MEMORY.joined(remembered), FOUND.joined(found)]

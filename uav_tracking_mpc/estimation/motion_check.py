@@ -57,9 +57,12 @@ VELOCITY_CHECK = Layout(
 # m, s, s: a position that is off by more than JUMP, besides its noise, is left out. If positions
 # stay there for JUMP_TIME, the aircraft is there, and its place is moved there with FADE_TIME.
 JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0
+# m/s: how quickly one that is carried on goes astray, by the ground velocity, and by air velocity
+# and wind. A position that is off by no more than DEVIATIONS times that is where the aircraft is.
+ASTRAY, BY_WIND = 0.3, 1.5
 STALE = 1.5  # s, for which a position may repeat itself that is only seldom measured
 STANDING = 0.25  # -, share of JUMP, beyond which a climb leaves out a height that stays the same
-POSITION_CHECK = Layout(jumped=1, age=1, off=3, faded=3, last=[math.nan] * 3, climbed=1)
+POSITION_CHECK = Layout(jumped=1, age=1, off=3, faded=3, last=[math.nan] * 3, climbed=1, astray=1)
 
 
 def velocity_checked(
@@ -148,6 +151,7 @@ def position_checked(
     carried: ca.SX,
     climb: ca.SX,
     deviation: ca.SX,
+    odd: ca.SX,
 ) -> tuple[SimpleNamespace, ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
     """What is known after a position, its state by :data:`CODE`, and what of it is used.
 
@@ -158,13 +162,14 @@ def position_checked(
         known: By :data:`POSITION_CHECK`: for how long positions have been elsewhere [s], how long
             ago the last one was measured [s], how far it was from where the velocity leads [m],
             what of a jump is still to be told [m], the last position [m], how far the aircraft has
-            climbed since the height changed last [m].
+            climbed since the height changed last [m], by how much it may have gone astray [m].
         elapsed: Since the measurement before in [s].
         position: As measured, shape (3,), in [m].
         present: 1 where one is measured, else 0.
         carried: Where the ground velocity leads, shape (3,), in [m].
         climb: Upward ground velocity in [m/s].
         deviation: Standard deviation of the noise on the worst axis in [m].
+        odd: Whether the ground velocity is not the measured one.
     """
     limit = JUMP + NOISE_MULTIPLE * deviation
     fresh = is_fresh(known, position, present)
@@ -185,7 +190,8 @@ def position_checked(
     stale = age > STALE
     lasts = ca.if_else(fresh, far, known.jumped > 0.0)
     jumped = ca.if_else(lasts, (1.0 - scattered) * known.jumped + elapsed, known.jumped * old)
-    moved = ca.logic_and(far * fresh, jumped >= JUMP_TIME)
+    strayed = ca.norm_2(off) <= DEVIATIONS * known.astray
+    moved = ca.logic_and(far * fresh, ca.logic_or(jumped >= JUMP_TIME, strayed))
     waits = lasts * ca.logic_not(moved) * ca.logic_not(stale)
     silent = ca.logic_not(present) * stale
     stuck = ca.logic_or(far * ca.logic_not(fresh) * stale, level) * ca.logic_not(
@@ -196,9 +202,10 @@ def position_checked(
         jumped=ca.if_else(moved, 0.0, jumped),
         age=age,
         off=ca.if_else(fresh, off, known.off),
-        faded=known.faded * ca.exp(-elapsed / FADE_TIME),
+        faded=known.faded * ca.exp(-elapsed / FADE_TIME) - moved * (1.0 - strayed) * off,
         last=ca.if_else(present, position, known.last),
         climbed=climbed,
+        astray=(code > 0.0) * (known.astray + elapsed * ca.if_else(odd, BY_WIND, ASTRAY)),
     )
     seen_axes = fresh * ca.logic_not(waits) * ca.vertcat(1.0, 1.0, ca.logic_not(old))
     return after, code, ca.if_else(seen_axes, position, carried), seen_axes, moved, scattered

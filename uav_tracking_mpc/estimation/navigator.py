@@ -31,7 +31,7 @@ from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
-from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, POSITION, USED, VELOCITY
+from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, USED, VELOCITY
 from uav_tracking_mpc.estimation.situation import FADE_TIME, Forecast, Situation, outlook
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -44,9 +44,7 @@ LATENCY_LIMIT = 1.5  # s, counted on at most: beyond it the clocks do not agree
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
 BELOW = 20.0  # m below its target: then z is most likely reported positive down
 TOLD_EXCESS = 0.1  # -, share by which an airspeed reads too much or too little that is reported
-# m/s, m/s, m: how quickly a position is in error that is carried on by the ground velocity, and by
-# air velocity and wind; and the error from which on the position counts as lost
-ASTRAY, BY_WIND, LOST = 0.3, 1.5, 30.0
+LOST = 30.0  # m, by which a position that is carried on may err, from which on it counts as lost
 
 
 class Estimate(NamedTuple):
@@ -187,14 +185,14 @@ class Navigator:
         self.air_estimate.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
-        self._acceleration = self._astray = self._below = 0.0
+        self._acceleration = self._below = 0.0
         self._told: set[str] = set()  # concerns
         self._time: float | None = None
 
     @property
     def lost(self) -> bool:
         """Whether the position has been carried on for so long that it is none any more."""
-        return self._astray > LOST
+        return bool(self.air_estimate.found.astray[0] > LOST)
 
     @property
     def airspeed_known(self) -> bool:
@@ -320,9 +318,6 @@ class Navigator:
             lacks = self._history.demanded(sent, ACCELERATION) - self._acceleration
             self._acceleration += followed(elapsed, self._lag) * lacks
         air = self._aircraft_in_air(measurement, vehicle, ground)
-        states = self.air_estimate.health.states
-        pace = ASTRAY if states[VELOCITY] == USED else BY_WIND
-        self._astray = 0.0 if states[POSITION] == USED else self._astray + elapsed * pace
         known, times = self._outlook.arguments
         faded = self._fading(time).reshape(-1).tolist()
         known[:] = [  # in the order of KNOWN
