@@ -36,6 +36,9 @@ from uav_tracking_mpc.symbolic.native_code import NativeFunction
 # offset turns from quadratic to linear. Steep near the wanted orbit, or errors would be shared
 # between both and met half-heartedly; linear beyond, or far away it would drown everything else.
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
+# -, share of the wanted range; where the range errs by it the weight of height has doubled. And by
+# how many times that rises: far away the aircraft would dive towards the target for the range.
+FAR, FIRMER = 0.05, 25.0
 LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 # -, times the weight of changes of the turn rate, in calm air and from moderate gusts on: an
 # autopilot's roll loop swings near 1 Hz, which no lag and dead time tell, and gusts keep it going.
@@ -78,6 +81,7 @@ class FlightFormulation:
         # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on, and
         # the height above the target with which it ends [m].
         self._held: tuple[float, float, float] | None = None
+        self._height_weight = self.flight.where["state_weights"].start + 2
         self._factors = np.ones(3)
         self.change(parameters)
 
@@ -152,8 +156,10 @@ class FlightFormulation:
         self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
     ) -> Plan:
         """See :meth:`Formulation.solve`."""
-        x_0 = self.initial_state(situation)
+        x_0, error = self.initial_state(situation), situation.tracking_error(orbit)
         data = self.data(forecast, orbit)
+        firmer = min((float(error[0]) / (FAR * orbit.range)) ** 2, FIRMER)
+        data[:, self._height_weight] = (1.0 + firmer) * self.parameters.state_weights[2]
         solution = self.solver.solve(
             x_0, data, elapsed, lambda: self.guess(x_0, forecast, orbit, data)
         )
@@ -166,7 +172,7 @@ class FlightFormulation:
             if solution.converged:
                 self._held = altitude, airspeed, height
         held = np.array([math.hypot(radius, height), altitude, airspeed])
-        return Plan(inputs, self.step, situation.tracking_error(orbit), solution, held)
+        return Plan(inputs, self.step, error, solution, held)
 
     def _inputs(self, solution: Solution) -> NDArray[np.float64]:
         """(u_psi, u_chi, u_v) of each stage, shape (N, 3)."""
