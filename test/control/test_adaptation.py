@@ -15,6 +15,7 @@
 """What the aircraft shows is flown by, slowly, and only where it contradicts what was told."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ import small_uav
 from uav_tracking_mpc.control.adaptation import PERIOD, SPEED, TAKING_OVER, ResponseAdaptation
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.control.watches import Swing
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
 from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
 from uav_tracking_mpc.estimation.measurement import Measurement
@@ -247,3 +249,13 @@ def test_an_autopilot_that_swings_in_height_is_not_told_as_a_limit_cycle_of_ours
             plan = np.array([[0.0, 0.3 * np.sin(4.0 * now.stamp), 0.0]])
             found.commanded(now.stamp, 0.0, plan, 0.4)
         assert any("limit cycle" in event.words for event in events.take()) is told
+
+
+def test_the_estimator_is_told_which_channels_are_softened():
+    found = adaptation()
+    found.oscillation = SimpleNamespace(
+        swings=(None, Swing(period=3.0, amplitude=0.2)), going_on=(False, True)
+    )
+    factors = found.soften(100.0)
+    assert factors[1] > 1.0
+    np.testing.assert_array_equal(found.estimator.swing, [False, True, False])

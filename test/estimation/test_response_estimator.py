@@ -19,7 +19,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.response_estimator import GAIN_LIMITS, ResponseEstimator
+from uav_tracking_mpc.estimation.response_estimator import (
+    DELAY_TRUST,
+    GAIN_LIMITS,
+    RESPONSE_TRUST,
+    ChannelResponse,
+    ResponseEstimator,
+)
 from uav_tracking_mpc.simulation.plants.vehicle import InnerLoop
 
 TICK = 0.05
@@ -179,3 +185,14 @@ def test_an_interruption_forgets_nothing_that_was_learnt():
 def test_the_same_flight_gives_the_same_estimate_bit_for_bit():
     flights = [random_aircraft(8)[0].fly(20.0) for _ in range(2)]
     assert flights[0] == flights[1]
+
+
+@pytest.mark.parametrize("trusted_before", [False, True])
+def test_a_channel_that_swings_is_flown_by_a_less_certain_estimate(trusted_before):
+    uncertain = ChannelResponse(
+        delay_deviation=2.0 * DELAY_TRUST[trusted_before], gain_deviation=2.0 * RESPONSE_TRUST
+    )
+    before = ChannelResponse(trusted=trusted_before)
+    assert not uncertain.judged(before, swings=False).trusted
+    assert uncertain.judged(before, swings=True).trusted
+    assert not ChannelResponse().judged(before, swings=True).trusted

@@ -247,8 +247,10 @@ class ResponseAdaptation:
         """
         swings, going_on = self.oscillation.swings, self.oscillation.going_on
         gains = self.flown.gains.tolist()
-        changed = self.softening.follow(time, swings, going_on, self.delays, gains)
-        return self.softening.factors if changed else None
+        if not self.softening.follow(time, swings, going_on, self.delays, gains):
+            return None
+        self.estimator.swing = self.softening.factors > 1.0
+        return self.softening.factors
 
     def follow(self, time: float) -> Response | None:
         """Move what is flown towards what is trusted.

@@ -351,7 +351,7 @@ def _step() -> ca.Function:
     )
     ahead = []
     for lane, (psi, v, no_airspeed, no_heading) in zip(lanes, guesses, strict=True):
-        lane.state[P] = ca.if_else(moved, position, lane.state[P])
+        lane.state[P] = ca.if_else(moved, state[P] + position - carried, lane.state[P])
         velocity_through = ca.vertcat(*vehicle_model.air_velocity(psi, path_angle, v, ca))
         loose = _loose(heading, no_airspeed, no_heading)
         ahead.append(

@@ -56,6 +56,7 @@ DELAY_TRUST = (0.05, 0.1)  # s
 GAIN_TRUST = (0.03, 0.06)  # -
 # Deviation of the gain beyond which there may be no response at all, only noise that looks alike.
 RESPONSE_TRUST = 0.1
+LOOSER = 3.0  # -, times both: what a channel that swings is flown by is known to be wrong
 MEMORY = 60.0  # s, T_m
 WASHOUT = 10.0  # s, time constant of the high pass: shorter than an orbit, longer than any lag
 GAIN_LIMITS = 0.5, 1.6  # -, of a gain that is believed
@@ -109,15 +110,17 @@ class ChannelResponse(NamedTuple):
         """Lag plus dead time in [s]."""
         return self.lag + self.dead_time
 
-    def judged(self, before: ChannelResponse) -> ChannelResponse:
+    def judged(self, before: ChannelResponse, swings: bool) -> ChannelResponse:
         """This estimate with what may be trusted of it, with hysteresis.
 
         Args:
             before: The estimate before this one.
+            swings: Whether the channel has swung lately.
         """
-        seen = self.gain_deviation < RESPONSE_TRUST
+        looser = LOOSER if swings else 1.0
+        seen = self.gain_deviation < looser * RESPONSE_TRUST
         return self._replace(
-            trusted=seen and self.delay_deviation < DELAY_TRUST[before.trusted],
+            trusted=seen and self.delay_deviation < looser * DELAY_TRUST[before.trusted],
             lag_trusted=seen and self.lag_deviation < DELAY_TRUST[before.lag_trusted],
             gain_trusted=self.gain_deviation < GAIN_TRUST[before.gain_trusted],
         )
@@ -216,6 +219,7 @@ class ResponseEstimator:
 
     Attributes:
         channels: Estimates of turn rate, path-angle rate and acceleration.
+        swing: Whether each of them has swung lately, shape (3,).
     """
 
     def __init__(self, commanded: int = 3) -> None:
@@ -231,7 +235,7 @@ class ResponseEstimator:
         # Of each channel: sums of 1, products of successive residuals, and their squares.
         self._sums, self._residual = np.zeros((3, 3)), np.zeros(3)
         self._nearest, self._gains = np.zeros(3, dtype=int), np.ones(3)  # the best candidate
-        self.channels = [ChannelResponse()] * 3
+        self.channels, self.swing = [ChannelResponse()] * 3, np.zeros(3, dtype=bool)
         self._turn = 0
         self.interrupt()
 
@@ -295,7 +299,9 @@ class ResponseEstimator:
         if self._turn % REFINED_EVERY == 0:
             self._take_in()
             axis = self._turn // REFINED_EVERY
-            self.channels[axis] = self._refined(axis).judged(self.channels[axis])
+            self.channels[axis] = self._refined(axis).judged(
+                self.channels[axis], bool(self.swing[axis])
+            )
 
     def _take_in(self) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""

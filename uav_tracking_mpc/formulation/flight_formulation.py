@@ -36,9 +36,10 @@ from uav_tracking_mpc.symbolic.native_code import NativeFunction
 # offset turns from quadratic to linear. Steep near the wanted orbit, or errors would be shared
 # between both and met half-heartedly; linear beyond, or far away it would drown everything else.
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
-# -, share of the wanted range; where the range errs by it the weight of height has doubled. And by
-# how many times that rises: far away the aircraft would dive towards the target for the range.
-FAR, FIRMER = 0.05, 25.0
+# -, share of the wanted range. Where the range errs by more the aircraft is on its way in: the less
+# its height counts as part of the range, for which it would dive towards a target on the ground;
+# and changes of climb and acceleration weigh more, up to so many times more, [-].
+FAR, GENTLER = 0.03, 30.0
 LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 # -, times the weight of changes of the turn rate, in calm air and from moderate gusts on: an
 # autopilot's roll loop swings near 1 Hz, which no lag and dead time tell, and gusts keep it going.
@@ -81,7 +82,6 @@ class FlightFormulation:
         # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on, and
         # the height above the target with which it ends [m].
         self._held: tuple[float, float, float] | None = None
-        self._height_weight = self.flight.where["state_weights"].start + 2
         self._factors = np.ones(3)
         self.change(parameters)
 
@@ -106,6 +106,7 @@ class FlightFormulation:
             * (1.0 + parameters.airspeed_band * np.array([-1.0, 1.0])),
             "offset_weights": parameters.offset_weights,
             "offset_reach": OFFSET_REACH * reach,
+            "slant": 1.0,
             **{part_of(limit): limit.numbers(nowhere) for limit in self.envelope.limits},
         }
         for name, values in parts.items():
@@ -144,8 +145,15 @@ class FlightFormulation:
             least, most = HELD_SOFTNESS
             weights[0] *= min(max(least, most * gust_walk / GUST_WALK), most)
         softened = self._factors * np.maximum(weights, LEAST_SOFTENED)
-        weights = np.where(self._factors > 1.0, softened, weights)
-        self._data[:, self.flight.where["rate_weights"]] = weights
+        self._rate_weights = np.where(self._factors > 1.0, softened, weights)
+        self._data[:, self.flight.where["rate_weights"]] = self._rate_weights
+
+    def _on_way_in(self, far: float) -> None:
+        """What counts otherwise where the range errs by so many times :data:`FAR`."""
+        where, slant = self.flight.where, 1.0 / (1.0 + far * far)
+        gentler = 1.0 + GENTLER * (1.0 - slant)
+        self._data[:, where["slant"]] = slant
+        self._data[:, where["rate_weights"]] = self._rate_weights * [1.0, gentler, gentler]
 
     def reset(self) -> None:
         """Forget the last plan."""
@@ -158,8 +166,8 @@ class FlightFormulation:
         """See :meth:`Formulation.solve`."""
         x_0, error = self.initial_state(situation), situation.tracking_error(orbit)
         data = self.data(forecast, orbit)
-        firmer = min((float(error[0]) / (FAR * orbit.range)) ** 2, FIRMER)
-        data[:, self._height_weight] = (1.0 + firmer) * self.parameters.state_weights[2]
+        if not self.flight.holds:
+            self._on_way_in(float(error[0]) / (FAR * orbit.range))
         solution = self.solver.solve(
             x_0, data, elapsed, lambda: self.guess(x_0, forecast, orbit, data)
         )

@@ -81,6 +81,7 @@ OWN_SIZES = {
     "airspeed_band": 2,  # least and greatest airspeed unless forced [m/s]
     "offset_weights": 3,  # of the artificial orbit's distance to the wanted one
     "offset_reach": 3,  # distance at which that cost turns from quadratic to linear
+    "slant": 1,  # -, share of the height's error that counts as one of the range, too
     "lead": 1,  # s by which the orbit's turn rate is fed forward
     "onset": 1,  # -, turn acceleration at the beginning of a stage over its mean
 }
@@ -163,7 +164,7 @@ class FlightProblem:
         orbit = orbit_motion(
             (state.x / d, state.y / d), told["sense"], d_a, speed, told["drift"], told["drift_rate"]
         )
-        error = self._error(state, orbit, told["drift"], (r_a, z_a, v_a))
+        error = self._error(state, orbit, told["drift"], (r_a, z_a, v_a), told["slant"])
         turn_rate = orbit.turn_rate + told["lead"] * orbit.turn_acceleration
         self.turn_acceleration = ca.Function(
             "turn_acceleration", [*at[:2], decision], [ca.densify(orbit.turn_acceleration)]
@@ -215,10 +216,13 @@ class FlightProblem:
         results = [ca.densify(nearest), ca.densify(step(x, nearest, p))]
         return ca.Function("law_stage", [x, wanted, p], results)
 
-    def _error(self, state: Any, orbit: OrbitMotion, drift: ca.SX, wanted: Sequence[Any]) -> ca.SX:
+    def _error(
+        self, state: Any, orbit: OrbitMotion, drift: ca.SX, wanted: Sequence[Any], slant: ca.SX
+    ) -> ca.SX:
         """Tracking error x of Section 3.1, of the motion relative to the target."""
         r_a, z_a, v_a = wanted
-        r = ca.sqrt(state.x**2 + state.y**2 + state.z**2 + SMALL**2)
+        height = z_a + slant * (state.z - z_a)
+        r = ca.sqrt(state.x**2 + state.y**2 + height**2 + SMALL**2)
         east, north, _ = air_velocity(state.heading, state.path_angle, state.airspeed, ca)
         w_x, w_y = east + drift[0], north + drift[1]
         t_x, t_y = orbit.tangent
