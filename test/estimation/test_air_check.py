@@ -117,6 +117,43 @@ def test_an_airspeed_that_jumps_is_left_out_until_it_agrees(check, wrong):
     assert not check.layout.parts(check.memory).doubts.any()  # nothing of it is left
 
 
+def accelerated(begin):
+    """What an autopilot that believes a low airspeed adds: 3 m/s^2 along the way for 4 s."""
+
+    def along(time):
+        way = np.array([math.cos(TURN * time), math.sin(TURN * time)])
+        return 3.0 * min(max(time - begin, 0.0), 4.0) * way
+
+    return along
+
+
+def test_an_airspeed_that_a_front_has_changed_is_used_again_as_the_aircraft_follows(check):
+    """Of an aircraft with mass a tailwind of 9 m/s takes the airspeed first, then it speeds up."""
+    lacks = lambda time: min(9.0 * (time - 100.0), 9.0, max(15.0 - 6.0 * (time - 100.0), 0.0))  # noqa: E731
+
+    def blown(time):
+        way = np.array([math.cos(TURN * time), math.sin(TURN * time)])
+        return (min(9.0 * (time - 100.0), 9.0) - lacks(time)) * way
+
+    seen = lambda time: right(time) - lacks(time)  # noqa: E731
+    assert circled(check, seen, 100.0, 102.0, gust=blown)[2][-1] == ["jumped", ""]
+    assert circled(check, seen, 102.0, 106.0, gust=blown)[2][-1] == ["", ""]
+
+
+@pytest.mark.parametrize("begin", [0.3, 1.0, 2.0])
+def test_an_airspeed_that_falls_as_soon_as_it_is_compared_does_not_hide_itself(begin):
+    check = AirCheck()
+    circled(check, right, end=begin, deviation=1.4)
+    falling = lambda time: right(time) - min(6.4 * (time - begin), 6.4)  # noqa: E731
+    assert circled(check, falling, begin, 15.0, deviation=1.4)[2][-1] == ["jumped", ""]
+
+
+def test_an_airspeed_is_not_used_again_because_the_autopilot_answers_it(check):
+    low = lambda time: right(time) - 5.0  # noqa: E731
+    reasons = circled(check, low, 100.0, 120.0, gust=accelerated(101.5))[2]
+    assert reasons[-2:] == [["", ""], ["jumped", ""]]
+
+
 def test_in_gusts_a_wind_that_will_not_be_known_better_judges_once_the_flight_has_lasted():
     for settled, named in ((0.0, ""), (1.0, "jumped")):
         check = AirCheck(settled)

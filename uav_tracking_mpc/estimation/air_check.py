@@ -69,6 +69,7 @@ CHANGES = 40.0
 # gusts let no wind be known better
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
 COMPARED = 60.0  # s, memory of the gusts
+CLIPPED = 9.0  # -, mean squares that a jump counts at most among them, or it would hide itself
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts that are taken at first, and the weight of that
 OWN_SHARE = 0.5  # -, share of a jump that is the sensor's own, above which it is named
 DOUBT = 1.5  # m/s, by which a sound airspeed may read otherwise than the wind explains
@@ -290,6 +291,10 @@ def _compared(
     by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
     jumped = (size > most) * (by_sensor > OWN_SHARE * size)
     by_air = (size > most) * (by_sensor < RETURN * OWN_SHARE * size)
+    # An autopilot that goes by a wrong airspeed accelerates the aircraft: no air has changed while
+    # the airspeed has not come back.
+    gone = ca.sign(its_jump[AIRSPEED]) * drifted[AIRSPEED]
+    by_air[AIRSPEED] *= gone < RETURN**2 * OWN_SHARE * size[AIRSPEED]
     # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
     # of it is not explained.
     drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
@@ -326,7 +331,7 @@ def _compared(
         moved=moved,
         explained=followed,
         recent=recent,
-        jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
+        jumps=known.jumps + share * (ca.fmin(jumps**2, CLIPPED * known.jumps) - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )
 
