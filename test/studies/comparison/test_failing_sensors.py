@@ -218,10 +218,10 @@ def test_in_gusts_a_rigid_aircraft_flies_as_fast_as_is_asked():
 def test_bank_and_turn_tell_an_airspeed_that_is_wrong_from_the_start():
     """It reads 22 m/s at 14: wind and ground velocity alone took minutes to tell."""
     pytest.importorskip("jsbsim")
-    settings = "uav_simulator.airspeed_bias=8.0", "mission.duration=60"
+    settings = "uav_simulator.airspeed_bias=8.0", "mission.duration=65"
     log = simulate(load_configuration("jsbsim_uav", settings, "crosswind"))
     assert log.error[log.time > 15.0, 4].min() < -5.0
-    assert np.abs(log.error[log.time > 55.0, 4]).max() < 1.5
+    assert np.abs(log.error[log.time > 60.0, 4]).max() < 1.5
     assert not log.sensors
 
 
