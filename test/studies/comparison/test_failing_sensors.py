@@ -162,8 +162,9 @@ def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wro
     """It is believed at first, and with it a wind that does not blow."""
     log = flown_two_minutes(plant, wrong, "uav_simulator.gust_intensity=7.7")
     named = [each for each in log.sensors if each.sensor == "ground velocity"]
-    assert {each.state for each in named} <= {"off", "stuck"}  # as one that stays at 0 is
-    assert 60.0 <= named[0].time < 63.5
+    # Within the first seconds it may be taken for air that has changed; one that stays at 0 is stuck.
+    assert named[-1].state in ("off", "stuck")
+    assert 60.0 <= named[0].time <= named[-1].time < 63.5
     assert {each.sensor for each in log.sensors} <= {"ground velocity", "position"}
     assert np.abs(log.error[log.time > 90.0, 0]).max() < 2.0
     airspeeds = log.vehicle[log.time > 60.0, 5]
