@@ -162,7 +162,7 @@ def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wro
     """It is believed at first, and with it a wind that does not blow."""
     log = flown_two_minutes(plant, wrong, "uav_simulator.gust_intensity=7.7")
     named = [each for each in log.sensors if each.sensor == "ground velocity"]
-    # Within the first seconds it may be taken for air that has changed; one that stays at 0 is stuck.
+    # For a second it may be taken for air that has changed. One that stays at 0 is stuck.
     assert named[-1].state in ("off", "stuck")
     assert 60.0 <= named[0].time <= named[-1].time < 63.5
     assert {each.sensor for each in log.sensors} <= {"ground velocity", "position"}
