@@ -150,7 +150,7 @@ class FlightFormulation:
 
     def _on_way_in(self, far: float) -> None:
         """What counts otherwise where the range errs by so many times :data:`FAR`."""
-        where, slant = self.flight.where, 1.0 / (1.0 + far * far)
+        where, slant = self.flight.where, 1.0 / (1.0 + far**4)
         gentler = 1.0 + GENTLER * (1.0 - slant)
         self._data[:, where["slant"]] = slant
         self._data[:, where["rate_weights"]] = self._rate_weights * [1.0, gentler, gentler]
