@@ -39,7 +39,7 @@ OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 # -, share of the wanted range. Where the range errs by more the aircraft is on its way in: the less
 # its height counts as part of the range, for which it would dive towards a target on the ground;
 # and changes of climb and acceleration weigh more, up to so many times more, [-].
-FAR, GENTLER = 0.03, 30.0
+FAR, GENTLER = 0.04, 30.0
 LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 # -, times the weight of changes of the turn rate, in calm air and from moderate gusts on: an
 # autopilot's roll loop swings near 1 Hz, which no lag and dead time tell, and gusts keep it going.
