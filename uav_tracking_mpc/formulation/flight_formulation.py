@@ -36,9 +36,9 @@ from uav_tracking_mpc.symbolic.native_code import NativeFunction
 # offset turns from quadratic to linear. Steep near the wanted orbit, or errors would be shared
 # between both and met half-heartedly; linear beyond, or far away it would drown everything else.
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
-# -, share of the wanted range. Where the range errs by more the aircraft is on its way in: the less
-# its height counts as part of the range, for which it would dive towards a target on the ground;
-# and changes of climb and acceleration weigh more, up to so many times more, [-].
+# -, share of the wanted range: where the range errs by more, the aircraft is on its way in. There
+# its height is no part of the range, for which it would dive towards a target on the ground. And -,
+# how many times more changes of climb and acceleration weigh there.
 FAR, GENTLER = 0.04, 30.0
 LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 # -, times the weight of changes of the turn rate, in calm air and from moderate gusts on: an

@@ -20,7 +20,7 @@ heading, path angle, airspeed, and what the model adds, such as rates that lag. 
 paper's (Section 3.1) of the motion relative to the target: range, direction of the relative
 velocity against the orbit's tangent, altitude, path angle, airspeed. The true periodic orbit under
 drift has no error and is paid nothing, its turn rate being fed forward; without drift the stage
-cost is that of (14). Where that is told, the height counts less as a part of the range.
+cost is that of (14). Of the height's error a share can be left out of the range's.
 
 Beside the paper's terms the cost pays for how quickly turn rate, path-angle rate and acceleration
 change, the orbit's own change being fed forward: bandwidth that a wrong lag, a dead time or noise
