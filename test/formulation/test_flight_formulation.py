@@ -22,7 +22,7 @@ import small_uav
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE
 from uav_tracking_mpc.estimation.situation import Situation, steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FAR, GENTLER, FlightFormulation
-from uav_tracking_mpc.mpc.solver import Status, solutions
+from uav_tracking_mpc.mpc.solver import Solution, Status, solutions
 from uav_tracking_mpc.parameters.specification import taken
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import FlightParameters
@@ -100,6 +100,15 @@ def test_a_state_that_is_not_finite_is_refused_and_the_last_plan_kept():
     after = plan_of(flight, now, elapsed=0.0)
     assert after.solution.converged
     assert after.solution.iterations <= min(3, before.solution.iterations)
+
+
+def test_a_plan_that_cannot_end_on_an_orbit_says_so(monkeypatch):
+    flight, problem = formulation(), small_uav.solver().problem
+    found = Solution.without_plan(problem, Status.INFEASIBLE, "violated by 2", 0.0)
+    monkeypatch.setattr(flight.solver, "solve", lambda *where: found)
+    message = plan_of(flight, small_uav.situation()).solution.message
+    lasts = FLIGHT.horizon * FLIGHT.horizon_step
+    assert message == f"no plan of {lasts:g} s ends on an orbit: {found.message}"
 
 
 def test_the_plan_is_that_of_the_target_ahead():

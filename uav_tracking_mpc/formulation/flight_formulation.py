@@ -28,7 +28,7 @@ from uav_tracking_mpc.estimation.wind_filter import GUST_WALK
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightProblem, part_of
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.laws.vector_field import VectorField
-from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver
+from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver, Status
 from uav_tracking_mpc.settings.tracking import FlightParameters
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
@@ -171,6 +171,9 @@ class FlightFormulation:
         solution = self.solver.solve(
             x_0, data, elapsed, lambda: self.guess(x_0, forecast, orbit, data)
         )
+        if solution.status is Status.INFEASIBLE:  # limits are soft: its end alone must be met
+            words = f"no plan of {self.flight.problem.horizon * self.step:g} s ends on an orbit"
+            solution = solution._replace(message=f"{words}: {solution.message}")
         inputs = self._inputs(solution)
         inputs[0, 0] -= self._lead_of_stage(x_0, solution.decision)
         radius, altitude, airspeed = (solution.decision * DECISION_SCALE).tolist()

@@ -91,15 +91,16 @@ class Engagement:
         self.give_up(f"the autopilot stays in mode {self._asked_in}")
         return True
 
-    def give_up(self, words: str) -> None:
+    def give_up(self, words: str, level: Level = Level.WARNING) -> None:
         """Command nothing any more.
 
         Args:
             words: Why.
+            level: Of the event; what somebody has asked for is no warning.
         """
         if self.state is not State.IDLE:
             self.state = State.IDLE
-            self._events.add(Level.WARNING, f"{words}; nothing is commanded until engaged again")
+            self._events.add(level, f"{words}; nothing is commanded until engaged again")
 
     def heard(self, now: float) -> None:
         """Take note that the autopilot was heard.

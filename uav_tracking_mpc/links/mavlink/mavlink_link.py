@@ -27,6 +27,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
@@ -363,7 +364,7 @@ class MavlinkLink(VehicleLink):
             if self.engagement.state is State.IDLE:
                 return
             flown = self.engagement.commanding
-            self.engagement.give_up("disengaged")
+            self.engagement.give_up("disengaged", Level.INFO)
             if self._heard is not None:
                 self._heard.requests.drop()
                 if flown:
