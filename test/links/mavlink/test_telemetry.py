@@ -309,6 +309,15 @@ def test_a_clock_that_has_fallen_behind_is_believed_again():
     assert clock.restarts == 0
 
 
+def test_a_clock_that_runs_slower_than_ours_is_followed():
+    clock, rate, random = AutopilotClock(), 0.988, np.random.default_rng(1)
+    for sent in np.arange(0.0, 60.0, 0.5):
+        there, back = random.uniform(0.001, 0.015, 2)
+        clock.see_answer(sent, OFFSET + rate * (sent + there), sent + there + back)
+        later = sent + 0.5
+        assert clock.ours(OFFSET + rate * later) == pytest.approx(later, abs=0.025)
+
+
 def test_a_restart_is_seen_from_stamps_that_agree(clock):
     clock.see_stamp(OFFSET + 0.9, 0.95)
     for arrival in (1.0, 1.05, 1.11):

@@ -71,6 +71,10 @@ class RoundTrip(NamedTuple):
     offset: float
     duration: float
 
+    def agrees(self, other: RoundTrip) -> bool:
+        """Whether one offset lies within half the round trip of both."""
+        return abs(self.offset - other.offset) <= 0.5 * (self.duration + other.duration)
+
 
 class AutopilotClock:
     r"""Offset of the autopilot's time since its boot to our clock, from round trips of TIMESYNC.
@@ -78,7 +82,9 @@ class AutopilotClock:
     We send our time :math:`t_1`, the autopilot answers with its own :math:`t_a`, the answer arrives
     at :math:`t_2` (MAVLink guide, Timesync). Its clock is then ours plus
     :math:`t_a - (t_1 + t_2)/2`, wrong by at most half the round trip. The quickest of the last
-    round trips counts: queues only ever add to them (Mills, RFC 5905, Section 10). Until the first
+    round trips counts: queues only ever add to them (Mills, RFC 5905, Section 10). One that the
+    newest contradicts is forgotten: a simulation in lockstep may run a hundredth slower than our
+    clock, and an offset that is ten seconds old would be a tenth of a second wrong. Until the first
     answer the least delay of telemetry counts: the stamp of a message is at most now.
 
     Attributes:
@@ -152,8 +158,12 @@ class AutopilotClock:
         else:
             self._trips.append(trip)
         self._strays = []
-        best = min(self._trips, key=lambda each: each.duration)
-        self.offset, self.delay = best.offset, 0.5 * best.duration
+        kept = [each for each in self._trips if each.agrees(trip)]
+        if len(kept) < len(self._trips):
+            self._trips = deque(kept, maxlen=KEPT)
+        best, reach = min(self._trips, key=lambda each: each.duration), 0.5 * duration
+        self.offset = min(max(best.offset, trip.offset - reach), trip.offset + reach)
+        self.delay = 0.5 * best.duration
         self.jitter = pstdev(each.offset for each in self._trips)
 
     def ours(self, stamp: float) -> float:
