@@ -223,6 +223,15 @@ def test_states_that_stop_are_an_error(made, monkeypatch):
     assert made._status(made._state_time + 0.1)[1] == "paced: connected, but no state comes"
 
 
+def test_the_first_state_is_waited_for_before_it_is_missed(made, monkeypatch):
+    monkeypatch.setattr(made._reader, "_taken", lambda seen: None)
+    assert wait_for(lambda: time.monotonic() - made._state_time > 0.2)
+    monkeypatch.setattr(made, "_state_time", -math.inf)
+    since = made._reader.since
+    assert made._status(since + 0.5 * autopilot_link.SILENCE)[0] == OK
+    assert made._status(since + 1.5 * autopilot_link.SILENCE)[0] == ERROR
+
+
 def test_a_target_that_tells_where_it_is_is_published(node):
     made = flying(node, target_system=2)
     ((_, message),) = made.sent[TARGET_ODOMETRY.name]

@@ -126,6 +126,7 @@ class LinkReader:
 
     Attributes:
         connected: Whether the aircraft was reached.
+        since: When it was reached last, of the monotonic clock, in [s].
         trouble: Why there is no aircraft, in words; empty while there is one.
         refusal: Why it is given up, in words; empty while it is not.
     """
@@ -133,6 +134,7 @@ class LinkReader:
     def __init__(self, link: VehicleLink, taken: Callable[[Measurement], None]) -> None:
         self._link, self._taken = link, taken
         self.connected, self.trouble, self.refusal = False, "not connected yet", ""
+        self.since = -math.inf
         self._told = ""
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="link", daemon=True)
@@ -154,6 +156,7 @@ class LinkReader:
         while not self._stop.is_set():
             try:
                 self._link.connect(CONNECT_LIMIT)
+                self.since = time.monotonic()
                 self.connected, self.trouble = True, ""
                 self._read()
             except LinkRefusedError as error:
@@ -350,7 +353,7 @@ class AutopilotLink(VehicleNode):
         if not self._reader.connected:
             level = diagnostics.ERROR if self._states else diagnostics.WARN
             return level, f"{name}: no aircraft: {self._reader.trouble}"
-        if now - self._state_time > SILENCE:
+        if now - max(self._state_time, self._reader.since) > SILENCE:
             return diagnostics.ERROR, f"{name}: connected, but no state comes"
         if not self._engaged:
             return diagnostics.OK, f"{name}: not engaged, nothing is commanded"
