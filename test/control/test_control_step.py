@@ -32,6 +32,7 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 
 TICK = 0.05
 STILL = np.zeros(3)
+BACK = np.pi / 2.0  # rad, heading of an aircraft that is another way round elsewhere
 
 
 def measured(time, position=(300.0, 0.0, 120.0), heading=-np.pi / 2.0, wind=STILL, **more):
@@ -179,7 +180,7 @@ def test_an_old_target_is_circled_by_the_loiter_law(seeing):
 
 
 def test_an_outlier_is_not_answered_and_said_so(flying):
-    assert flying.step(measured(0.1, (9e3, 0.0, 0.0)), 0.1) is None
+    assert flying.step(measured(0.1, (9e3, 0.0, 0.0), BACK), 0.1) is None
     (event,) = [e for e in flying.events.take() if e.level is Level.REFUSAL]
     assert "jumped by" in event.words
     assert flying.state_time == 0.0
@@ -190,18 +191,25 @@ def test_an_aircraft_that_is_elsewhere_goes_on_about_its_target(constant):
     constant.see_target(0.0, STILL)
     assert constant.step(measured(0.0), 0.0) is not None
     elsewhere = (900.0, 0.0, 100.0)
-    answers = [constant.step(measured(k * TICK, elsewhere), k * TICK) for k in range(1, 6)]
+    answers = [constant.step(measured(k * TICK, elsewhere, BACK), k * TICK) for k in range(1, 6)]
     given = [answer.mode for answer in answers if answer is not None]
     assert given
     assert set(given) == {FallbackMode.OPTIMAL}
     assert any("starting anew" in event.words for event in constant.events.take())
 
 
+def test_a_position_that_jumps_while_all_else_goes_on_is_no_other_place(flying):
+    answers = [flying.step(measured(k * TICK, (300.0, 0.0, 420.0)), k * TICK) for k in range(1, 10)]
+    assert sum(answer is not None for answer in answers) == 4  # as many as are due
+    told = " ".join(event.words for event in flying.events.take())
+    assert "starting anew" not in told
+
+
 def test_the_airspeed_of_an_aircraft_that_is_elsewhere_is_still_measured(seeing):
     """It comes by itself, after its state; it was said that nobody measured it."""
     for k in range(12):
-        stamp, place = k * TICK, (900.0, 0.0, 120.0) if k > 5 else (300.0, 0.0, 120.0)
-        seeing.step(measured(stamp, place, airspeed=None), stamp)
+        stamp, there = k * TICK, ((900.0, 0.0, 120.0), BACK) if k > 5 else ()
+        seeing.step(measured(stamp, *there, airspeed=None), stamp)
         seeing.see_air(stamp, 22.0)
     told = " ".join(event.words for event in seeing.events.take())
     assert "starting anew" in told

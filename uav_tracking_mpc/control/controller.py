@@ -112,7 +112,8 @@ class Controller:
             ask_law(self._law_class, parameters)
         self.formulation = formulation or formulation_of(parameters)
         self.navigator, self.modes = Navigator(parameters), ModeSelector()
-        self.rate, self._gate = Pace(parameters.control_rate), StateGate(parameters.state_timeout)
+        self.rate = Pace(parameters.control_rate)
+        self._gate = StateGate(parameters.state_timeout, parameters.air_estimation)
         self.events = EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
         self._plan, self._shortfall = PlanMemory(), OrbitShortfall(self.events)
@@ -137,7 +138,7 @@ class Controller:
 
     def reset(self) -> None:
         """Forget aircraft, air, target, plans and commands; counts stay."""
-        self._gate = StateGate(self._gate.timeout)
+        self._gate = StateGate(self._gate.timeout, self._gate.checked)
         self.flying = self.navigator.claimed = False
         softened = bool(np.any(self.response.softening.factors > 1.0))
         self._respond(self.response.reset())

@@ -252,8 +252,9 @@ def _step() -> ca.Function:
     expected = main.air + state[W] + state[G] + state[B]
     position_noise = ca.fmax(ca.sqrt(places.held), ca.mmax(seen.position_noise))
     fresh = motion_check.is_fresh(place, seen.position, seen.placed)
+    told = fresh * ca.logic_not(motion_check.is_far(place))
     velocity, odd, contrary, changed = motion_check.velocity_checked(
-        known.velocity, dt, seen.position, fresh, seen.ground, expected, deviation, position_noise
+        known.velocity, dt, seen.position, told, seen.ground, expected, deviation, position_noise
     )
     contrary = ca.logic_or(contrary, seen.stuck[1])
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
@@ -261,7 +262,7 @@ def _step() -> ca.Function:
         ca.logic_not(seen.measured), sensors.reasons[air_check.AIRSPEED] > 0.0
     )
     turning = seen.rates[0] * ca.vertcat(-main.air[1], main.air[0], 0.0)
-    follower, by_positions = wind_filter.followed(known.follower, dt, seen.position, fresh, turning)
+    follower, by_positions = wind_filter.followed(known.follower, dt, seen.position, told, turning)
     # Without an airspeed the expected velocity would confirm itself: positions replace it.
     instead = ca.if_else(no_airspeed_used, by_positions, expected)
     used_ground = ca.if_else(odd, instead, seen.ground)

@@ -30,7 +30,7 @@ from types import SimpleNamespace
 import casadi as ca
 
 from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, SILENT, STUCK
-from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
+from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE, STEEPEST, SUDDEN
 from uav_tracking_mpc.symbolic.layout import Layout
 
 DEVIATIONS = 4.0  # -, standard deviations that gusts explain
@@ -38,7 +38,6 @@ RETURN = 0.5  # -, share of its limits that what was left out must keep to befor
 
 # Ground velocity
 ODD = 10.0  # m/s, beyond gusts: a ground velocity that differs by more from the expected is odd
-SUDDEN, STEEPEST = 5.0, 30.0  # m/s, m/s^2: a change beyond SUDDEN + STEEPEST times is no gust's
 WINDOW = 1.0  # s, least length of a window, at whose end positions tell which velocity was flown
 # m/s, s: positions contradict a velocity if the way flown differs from it by more than CONTRARY,
 # besides the noise of positions, for CONTRARY_TIME: a position that jumps and comes back takes two
@@ -57,6 +56,10 @@ VELOCITY_CHECK = Layout(
 # m, s, s: a position that is off by more than JUMP, besides its noise, is left out. If positions
 # stay there for JUMP_TIME, the aircraft is there, and its place is moved there with FADE_TIME.
 JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0
+# m, s: one that is further off contradicts all other sensors: a receiver without a fix, or the
+# filter of an autopilot that was astray. It must stay there for FAR_TIME, and tells nothing of the
+# ground velocity until then.
+FAR, FAR_TIME = 30.0, 30.0
 # m/s: how quickly one that is carried on goes astray, by the ground velocity, and by air velocity
 # and wind. A position that is off by no more than DEVIATIONS times that is where the aircraft is.
 ASTRAY, BY_WIND = 0.3, 1.5
@@ -143,6 +146,11 @@ def is_fresh(known: SimpleNamespace, position: ca.SX, present: ca.SX) -> ca.SX:
     return present * (ca.sumsqr(position - known.last) > 0.0)
 
 
+def is_far(known: SimpleNamespace) -> ca.SX:
+    """Whether positions in ``known`` have jumped so far that they tell no velocity."""
+    return ca.logic_and(known.jumped > 0.0, ca.norm_2(known.off) > FAR)
+
+
 def position_checked(
     known: SimpleNamespace,
     elapsed: ca.SX,
@@ -191,7 +199,8 @@ def position_checked(
     lasts = ca.if_else(fresh, far, known.jumped > 0.0)
     jumped = ca.if_else(lasts, (1.0 - scattered) * known.jumped + elapsed, known.jumped * old)
     strayed = ca.norm_2(off) <= DEVIATIONS * known.astray
-    moved = ca.logic_and(far * fresh, ca.logic_or(jumped >= JUMP_TIME, strayed))
+    lasting = ca.if_else(ca.norm_2(off) > FAR, FAR_TIME, JUMP_TIME)
+    moved = ca.logic_and(far * fresh, ca.logic_or(jumped >= lasting, strayed))
     waits = lasts * ca.logic_not(moved) * ca.logic_not(stale)
     silent = ca.logic_not(present) * stale
     stuck = ca.logic_or(far * ca.logic_not(fresh) * stale, level) * ca.logic_not(

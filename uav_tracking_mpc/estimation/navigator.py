@@ -30,6 +30,7 @@ from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.motion_check import FAR
 from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, USED, VELOCITY
 from uav_tracking_mpc.estimation.situation import FADE_TIME, Forecast, Situation, outlook
@@ -44,7 +45,6 @@ LATENCY_LIMIT = 1.5  # s, counted on at most: beyond it the clocks do not agree
 LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
 BELOW = 20.0  # m below its target: then z is most likely reported positive down
 TOLD_EXCESS = 0.1  # -, share by which an airspeed reads too much or too little that is reported
-LOST = 30.0  # m, by which a position that is carried on may err, from which on it counts as lost
 
 
 class Estimate(NamedTuple):
@@ -192,7 +192,7 @@ class Navigator:
     @property
     def lost(self) -> bool:
         """Whether the position has been carried on for so long that it is none any more."""
-        return bool(self.air_estimate.found.astray[0] > LOST)
+        return bool(self.air_estimate.found.astray[0] > FAR)
 
     @property
     def airspeed_known(self) -> bool:
@@ -310,7 +310,6 @@ class Navigator:
         track = self.target.track
         travelled, left = track.bridge(time - track.time)
         ground = float(track.state[0, 2])
-        self._below = ground - float(measurement.position[2])
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
         self._time = time
         if elapsed > 0.0:  # acceleration flown: the commands, after dead time and lag
@@ -318,6 +317,7 @@ class Navigator:
             lacks = self._history.demanded(sent, ACCELERATION) - self._acceleration
             self._acceleration += followed(elapsed, self._lag) * lacks
         air = self._aircraft_in_air(measurement, vehicle, ground)
+        self._below = ground - float(air.vehicle[2])
         known, times = self._outlook.arguments
         faded = self._fading(time).reshape(-1).tolist()
         known[:] = [  # in the order of KNOWN

@@ -34,6 +34,10 @@ NOISE_MULTIPLE = 6.0  # -, standard deviations of a position that are no jump an
 REPEATING = 0.5
 AGES = 20  # states in a row, of which the one that was the least old tells how the clocks differ
 AGREEING = 3  # outliers in a row, each consistent with the one before, that are a fact
+# m/s, m/s^2; rad, rad/s: what ground velocity and attitude change by at most where the aircraft
+# flies on, and plus so much times the time between: its position alone is wrong then
+SUDDEN, STEEPEST = 5.0, 30.0
+TURNED, QUICKEST = 0.1, 1.5
 
 
 class Verdict(Enum):
@@ -50,6 +54,8 @@ class StateGate:
 
     Args:
         timeout: Step of the stamps, either way, that is no longer ordinary, in [s].
+        checked: Whether positions are compared with the ground velocity afterwards: one that jumps
+            while all else goes on is theirs then.
 
     Attributes:
         newest: The newest measurement that was believed; None before the first.
@@ -57,8 +63,8 @@ class StateGate:
         reason: Why the last measurement was doubted or made a restart, in words.
     """
 
-    def __init__(self, timeout: float) -> None:
-        self.timeout = timeout
+    def __init__(self, timeout: float, checked: bool = False) -> None:
+        self.timeout, self.checked = timeout, checked
         self.newest: Measurement | None = None
         self._stood = np.zeros(3)  # m, flown by the ground velocity while the position repeated
         self._arrived = self._moved = math.nan  # when it last moved: [s] of the stamps
@@ -115,6 +121,7 @@ class StateGate:
             return Verdict.DROP
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
         moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
+        moved = moved and not (self.checked and _goes_on(newest, measurement, step))
         # A gap that a clock has seen as well is one of the messages, not of the stamps. Simulated
         # time may pass many times as fast as that of the steady clock.
         ordinary = step > 0.0 and (
@@ -193,6 +200,19 @@ def _repeats(before: Measurement, after: Measurement) -> bool:
         and before.position.tolist() == after.position.tolist()
         and before.ground_velocity.tolist() == after.ground_velocity.tolist()
         and any(after.ground_velocity.tolist())
+    )
+
+
+def _goes_on(before: Measurement, after: Measurement, step: float) -> bool:
+    """Whether the aircraft flies on as before, whatever its position says."""
+    change = math.hypot(*(after.ground_velocity - before.ground_velocity).tolist())
+    turned = (
+        math.remainder(after.heading - before.heading, math.tau),
+        after.path_angle - before.path_angle,
+        (after.bank or 0.0) - (before.bank or 0.0),
+    )
+    return change <= SUDDEN + STEEPEST * step and all(
+        abs(angle) <= TURNED + QUICKEST * step for angle in turned
     )
 
 

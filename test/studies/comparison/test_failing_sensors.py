@@ -332,6 +332,34 @@ def test_a_position_that_is_carried_on_comes_to_an_end(velocity, lost):
     assert found <= again.time < found + 4.0
 
 
+@pytest.mark.parametrize(
+    ("plant", "told"),
+    [
+        ("jsbsim", lambda place, rng: place + np.array([0.0, 0.0, 300.0])),
+        pytest.param("vehicle", lambda place, rng: place + np.array([0.0, 0.0, 300.0]), marks=LONG),
+        ("vehicle", lambda place, rng: rng.normal(0.0, 0.3, 3)),
+        pytest.param("jsbsim", lambda place, rng: rng.normal(0.0, 0.3, 3), marks=LONG),
+        pytest.param("jsbsim", lambda place, rng: np.full(3, 1e9), marks=LONG),
+    ],
+)
+def test_a_place_that_all_other_sensors_contradict_is_not_flown_by(plant, told, monkeypatch):
+    """For 20 s a wrong height, or the place of a receiver without a fix."""
+    step, rng = Controller.step, np.random.default_rng(1)
+
+    def wrong(self, seen, *rest):
+        if BEGIN <= seen.stamp < BEGIN + 20.0:
+            seen = dataclasses.replace(seen, position=told(seen.position, rng))
+        return step(self, seen, *rest)
+
+    monkeypatch.setattr(Controller, "step", wrong)
+    log = flown_on_orbit(plant, "position_bias=[0.0,0.0,0.0]", end=60.0)
+    assert {each.sensor for each in log.sensors} == {"position"}
+    assert log.sensors[-1].state == USED
+    since = log.time >= BEGIN
+    assert np.abs(log.vehicle[since, 2] - 120.0).max() < 2.0
+    assert np.abs(log.error[since, 0]).max() < 3.0
+
+
 @LONG
 def test_gusts_on_a_straight_way_in_blame_no_sensor():
     """All that is known of the wind then comes from one direction."""
