@@ -23,7 +23,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.control.fallback import (
-    FEASIBLE_VIOLATION,
     UNFINISHED,
     Available,
     FallbackMode,
@@ -32,7 +31,7 @@ from uav_tracking_mpc.control.fallback import (
     choose,
 )
 from uav_tracking_mpc.formulation.formulation import Plan
-from uav_tracking_mpc.mpc.solver import Solution, Status
+from uav_tracking_mpc.mpc.solver import FEASIBLE_VIOLATION, Solution, Status
 
 
 def solution(status, violation=0.0, message="told so"):

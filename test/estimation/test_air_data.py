@@ -234,6 +234,18 @@ def test_a_heading_that_counts_from_north_is_told(heading, course, said):
     assert said_so_far == ({f"{told} (ENU)"} if said else set())
 
 
+@pytest.mark.parametrize(("unit", "failed"), [(1.0, False), (math.degrees(1.0), True)])
+def test_a_turn_rate_in_another_unit_is_left_out(unit, failed):
+    air, turn, seen = data(), 0.13, []
+    for time in np.arange(0.0, 3.0, 0.05):
+        velocity = 16.0 * np.array([math.cos(turn * time), math.sin(turn * time), 0.0])
+        told = Measurement(time, time * velocity, velocity, turn * time, 0.0, unit * turn)
+        seen.append(air.see_state(told)[0].turn_rate)
+    assert air.turn_failed == failed
+    assert seen[-1] == (0.0 if failed else turn)
+    assert any("rad/s" in words for words, holds in air.concerns().items() if holds) == failed
+
+
 def test_reset_forgets():
     air = data()
     air.see(10.0, 20.0)

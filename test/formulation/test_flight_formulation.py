@@ -30,7 +30,7 @@ from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.feasibility_study import flight_start
 
 FLIGHT = small_uav.parameters()
-N = FLIGHT.horizon
+N, AIRSPEED_MAX = FLIGHT.horizon, FLIGHT.airspeed_max
 
 
 def formulation(parameters=FLIGHT):
@@ -102,13 +102,20 @@ def test_a_state_that_is_not_finite_is_refused_and_the_last_plan_kept():
     assert after.solution.iterations <= min(3, before.solution.iterations)
 
 
-def test_a_plan_that_cannot_end_on_an_orbit_says_so(monkeypatch):
+@pytest.mark.parametrize(
+    ("drift", "words"),
+    [
+        (0.0, f"no plan of {FLIGHT.horizon * FLIGHT.horizon_step:g} s ends on an orbit"),
+        (-40.0, f"the target moves through the air at 40 m/s, the aircraft at {AIRSPEED_MAX:g}"),
+    ],
+)
+def test_a_plan_that_cannot_end_on_an_orbit_says_so(drift, words, monkeypatch):
     flight, problem = formulation(), small_uav.solver().problem
-    found = Solution.without_plan(problem, Status.INFEASIBLE, "violated by 2", 0.0)
+    found = Solution.without_plan(problem, Status.TIME_LIMIT, "gradient 0.5", 0.03)
+    found = found._replace(violation=2.0)
     monkeypatch.setattr(flight.solver, "solve", lambda *where: found)
-    message = plan_of(flight, small_uav.situation()).solution.message
-    lasts = FLIGHT.horizon * FLIGHT.horizon_step
-    assert message == f"no plan of {lasts:g} s ends on an orbit: {found.message}"
+    now = replace(small_uav.situation(), drift=np.array([drift, 0.0, 0.0]))
+    assert plan_of(flight, now).solution.message == f"{words}: {found.message}"
 
 
 def test_the_plan_is_that_of_the_target_ahead():

@@ -26,12 +26,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.mpc.solver import Solution, Status
+from uav_tracking_mpc.mpc.solver import FEASIBLE_VIOLATION, Solution, Status
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.formulation.formulation import Plan
 
-FEASIBLE_VIOLATION = 1e-2  # -, violation of hard constraints, scaled, that a plan may be flown with
 OWN_SOLVE = "the own solve is late"  # why nothing is sent, though states come
 UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
 

@@ -52,6 +52,9 @@ POSSIBLE = 0.75, 1.25
 # rad, rad, s: a heading counts from North to East if the aircraft flies for so long beside its
 # heading by more than BESIDE, and beside the mirrored one by less than ALONG
 BESIDE, ALONG, MIRRORED_FOR = 1.0, 0.5, 3.0
+# m/s^2, s: turn rates are in another unit once they would have asked for so much across the path,
+# which no airframe bears, for so long
+UNBEARABLE, UNBEARABLE_FOR = 60.0, 0.5
 
 
 class AirData:
@@ -102,7 +105,7 @@ class AirData:
         self.stuck, self.climb_state = (False, False), USED
         self._first = math.inf  # stamp of the first measurement; -inf after an airspeed
         self.nose: tuple[float, float] | None = None
-        self.by_turn, self._mirrored = math.inf, 0.0
+        self.by_turn, self._mirrored, self._unbearable = math.inf, 0.0, 0.0
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -133,6 +136,8 @@ class AirData:
         if stamp != self._latest:
             self._compare(measurement, min(stamp - self._latest, self.timeout), height_noise)
             self._before, self._latest = self._latest, stamp
+        if self.turn_failed:  # the heading tells how it turns
+            measurement = replace(measurement, turn_rate=0.0, path_angle_rate=0.0)
         if airspeed is None and any(
             abs(each - self._stamp) <= self.timeout for each in (stamp, self._before)
         ):
@@ -226,9 +231,17 @@ class AirData:
         beside = abs(math.remainder(course - measurement.heading, math.tau))
         mirrored = abs(math.remainder(course + measurement.heading - 0.5 * math.pi, math.tau))
         looks = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and beside > BESIDE and mirrored < ALONG
+        across = abs(measurement.turn_rate) * math.hypot(*velocity[:2])
+        if not self.turn_failed:
+            self._unbearable = (across > UNBEARABLE) * (self._unbearable + elapsed)
         stuck = self._repeated[0][-1] or self._repeated[2][-1]
         sound = not (stuck or self._velocity_failed)
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
+
+    @property
+    def turn_failed(self) -> bool:
+        """Whether the rates of turn and path angle are in another unit, and left out."""
+        return self._unbearable >= UNBEARABLE_FOR
 
     @property
     def _failed(self) -> bool:
@@ -267,6 +280,9 @@ class AirData:
         return {
             "the heading looks as if it counted from North to East: it must count from East to "
             "North (ENU)": self._mirrored > MIRRORED_FOR,
+            "the turn rate is more than any airframe bears: it must be in rad/s, and is left out": (
+                self.turn_failed
+            ),
             "the nose turns against the bank: the attitude is taken for the direction flown": (
                 self._path.contradicted
             ),

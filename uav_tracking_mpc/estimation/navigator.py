@@ -187,6 +187,7 @@ class Navigator:
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = self._below = 0.0
         self._told: set[str] = set()  # concerns
+        self._turn_failed = False
         self._time: float | None = None
 
     @property
@@ -344,6 +345,9 @@ class Navigator:
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
             air = self.air
+            if air.turn_failed and not self._turn_failed:
+                self.air_estimate.trust_compass()  # it was judged by what it turned
+            self._turn_failed = air.turn_failed
             found = self.air_estimate.update(
                 measurement, vehicle, rates, ground, air.missing, air.nose, air.stuck, air.by_turn
             )

@@ -28,7 +28,7 @@ from uav_tracking_mpc.estimation.wind_filter import GUST_WALK
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightProblem, part_of
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.laws.vector_field import VectorField
-from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver, Status
+from uav_tracking_mpc.mpc.solver import FEASIBLE_VIOLATION, Guess, Solution, Solver
 from uav_tracking_mpc.settings.tracking import FlightParameters
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
@@ -171,8 +171,8 @@ class FlightFormulation:
         solution = self.solver.solve(
             x_0, data, elapsed, lambda: self.guess(x_0, forecast, orbit, data)
         )
-        if solution.status is Status.INFEASIBLE:  # limits are soft: its end alone must be met
-            words = f"no plan of {self.flight.problem.horizon * self.step:g} s ends on an orbit"
+        if not solution.converged and FEASIBLE_VIOLATION < solution.violation < math.inf:
+            words = self._missed(forecast)
             solution = solution._replace(message=f"{words}: {solution.message}")
         inputs = self._inputs(solution)
         inputs[0, 0] -= self._lead_of_stage(x_0, solution.decision)
@@ -184,6 +184,13 @@ class FlightFormulation:
                 self._held = altitude, airspeed, height
         held = np.array([math.hypot(radius, height), altitude, airspeed])
         return Plan(inputs, self.step, error, solution, held)
+
+    def _missed(self, forecast: Forecast) -> str:
+        """What no plan reaches, in words: limits are soft, so it is the orbit at its end."""
+        passes, most = math.hypot(*forecast.drift[0, :2].tolist()), self.parameters.airspeed_max
+        if passes >= most:
+            return f"the target moves through the air at {passes:.3g} m/s, the aircraft at {most:g}"
+        return f"no plan of {self.flight.problem.horizon * self.step:g} s ends on an orbit"
 
     def _inputs(self, solution: Solution) -> NDArray[np.float64]:
         """(u_psi, u_chi, u_v) of each stage, shape (N, 3)."""

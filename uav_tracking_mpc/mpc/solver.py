@@ -26,6 +26,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 
+FEASIBLE_VIOLATION = 1e-2  # -, violation of hard constraints, scaled, that a plan may be flown with
+
 
 class Status(Enum):
     """How a solve ended; the value is what people read."""
