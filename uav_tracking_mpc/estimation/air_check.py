@@ -46,6 +46,7 @@ import casadi as ca
 
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
 from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN, STEEPEST, SUDDEN
+from uav_tracking_mpc.estimation.noise_meter import EARLY, MEMORY
 from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.symbolic.layout import Layout
 
@@ -62,17 +63,13 @@ DOMINANCE = 3.0  # -, least ratio of the residual of a sensor that fails to the 
 # rad, that the error of a wind turns against the heading during a jump: of the wind without
 # airspeed, and of that without heading. With 0.3 of both a sound heading was blamed in gusts.
 TURNED = 0.3, 0.7
-# s: by what the wind without airspeed has changed in this time, it may also have changed along the
-# heading, where it is not seen
-CHANGES = 40.0
-# m/s: standard deviation of the wind above which nothing is compared; and late in a flight, when
-# gusts let no wind be known better
+# m/s: standard deviation of the wind above which nothing is compared, and by which a sound airspeed
+# may read otherwise than it; and late in a flight, when gusts let no wind be known better
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
 COMPARED = 60.0  # s, memory of the gusts
 CLIPPED = 9.0  # -, mean squares that a jump counts at most among them, or it would hide itself
-PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts that are taken at first, and the weight of that
+PRIOR = 0.5  # m/s, gusts that are taken at first, with the weight EARLY
 OWN_SHARE = 0.5  # -, share of a jump that is the sensor's own, above which it is named
-DOUBT = 1.5  # m/s, by which a sound airspeed may read otherwise than the wind explains
 AGREED_FOR = 5.0  # s, for which a sensor must have agreed to be used again
 HALF_TURN = math.pi + 0.5  # rad, greatest difference of headings
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
@@ -194,7 +191,7 @@ def air_checked(
         setattr(known, name, ca.if_else(judged, value, getattr(known, name)))
     gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + after.moved
     # When the comparison begins, the wind may still be what is wrong.
-    early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
+    early = known.weight[AIRSPEED] < EARLY + LASTING
     gate += early * DEVIATIONS * wind_deviations[AIRSPEED]
     error = ca.fabs(residuals[AIRSPEED])
     own = ca.sign(residuals[AIRSPEED]) * (known.own[AIRSPEED] + known.rough[AIRSPEED])
@@ -255,24 +252,26 @@ def _compared(
     explained: ca.SX,
 ) -> SimpleNamespace:
     """What is known after residuals have been followed, with the states of both sensors."""
+    # By what the wind without airspeed has changed lately, it may also have changed along the
+    # heading, where it is not seen.
     moved = ca.norm_2(explained - known.explained)
-    moved = ca.fmax(moved, known.moved * ca.exp(-elapsed / CHANGES))
-    followed = known.explained + ca.fmin(elapsed / CHANGES, 1.0) * (explained - known.explained)
+    moved = ca.fmax(moved, known.moved * ca.exp(-elapsed / MEMORY))
+    followed = known.explained + ca.fmin(elapsed / MEMORY, 1.0) * (explained - known.explained)
     recent = known.recent + ca.fmin(elapsed / CHANGE_TIME, 1.0) * (explained - known.recent)
     fresh, reasons = weight == 0.0, known.reasons
     begins = _of_residuals(fresh)
     now, before = (ca.if_else(begins, residuals, each) for each in (known.now, known.before))
     lasting = ca.if_else(begins, 0.0, known.lasting)
-    weight = ca.fmin(ca.if_else(fresh, PRIOR_TIME, weight) + elapsed, COMPARED)
+    weight = ca.fmin(ca.if_else(fresh, EARLY, weight) + elapsed, COMPARED)
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
     rough = ca.if_else(fresh, 0.0, known.rough + own)
     smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
-    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + smooth)
+    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / MEMORY) * known.drifted + smooth)
     high_low = ca.vertcat(1.0, -1.0)
-    late = weight[AIRSPEED] >= PRIOR_TIME + LASTING  # until then the wind may be what is wrong
-    doubts = late * (ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT)
+    late = weight[AIRSPEED] >= EARLY + LASTING  # until then the wind may be what is wrong
+    doubts = late * (ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - WIND_KNOWN)
     # It goes once the residual has gone: what has changed fades, and gusts may hide it for a while.
     fading = ca.fmax(high_low * lasting[AIRSPEED], known.doubts * (1.0 - elapsed / LASTING))
     doubts = ca.fmax(doubts, ca.fmin(known.doubts, fading))
@@ -298,7 +297,7 @@ def _compared(
     # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
     # of it is not explained.
     drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
-    drifts *= (weight >= ca.DM([COMPARED, PRIOR_TIME + LASTING])) * ca.vertcat(1.0, turn_told)
+    drifts *= (weight >= ca.DM([COMPARED, EARLY + LASTING])) * ca.vertcat(1.0, turn_told)
     both_used = ca.mmax(reasons) == CODE[USED]
     beyond = ca.fabs(its_lasting) - least
     off = (beyond > 0.0) * drifts

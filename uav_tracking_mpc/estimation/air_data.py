@@ -35,7 +35,7 @@ from uav_tracking_mpc.estimation.flight_path import (
     FlightPath,
 )
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
-from uav_tracking_mpc.estimation.motion_check import STALE
+from uav_tracking_mpc.estimation.motion_check import RETURN, STALE
 from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
@@ -49,9 +49,9 @@ STUCK_TIME, STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.7, 0.04, 3.0, 0.1
 # impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
 # it is used again
 POSSIBLE = 0.75, 1.25
-# rad, rad, s: a heading counts from North to East if the aircraft flies for so long beside its
-# heading by more than BESIDE, and beside the mirrored one by less than ALONG
-BESIDE, ALONG, MIRRORED_FOR = 1.0, 0.5, 3.0
+# rad, s: a heading counts from North to East if the aircraft flies for so long beside its
+# heading by more than BESIDE, and beside the mirrored one by less than RETURN of that
+BESIDE, MIRRORED_FOR = 1.0, 3.0
 
 
 class AirData:
@@ -223,11 +223,12 @@ class AirData:
         self._place = place
         # A heading that counts from North to East is the mirrored one.
         course = math.atan2(velocity[1], velocity[0])
+        flies = math.hypot(*velocity[:2]) > LEAST_AIRSPEED
         beside = abs(math.remainder(course - measurement.heading, math.tau))
         mirrored = abs(math.remainder(course + measurement.heading - 0.5 * math.pi, math.tau))
-        looks = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and beside > BESIDE and mirrored < ALONG
         stuck = self._repeated[0][-1] or self._repeated[2][-1]
         sound = not (stuck or self._velocity_failed)
+        looks = flies and beside > BESIDE and mirrored < RETURN * BESIDE
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
 
     @property
