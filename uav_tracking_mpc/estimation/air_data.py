@@ -35,16 +35,16 @@ from uav_tracking_mpc.estimation.flight_path import (
     FlightPath,
 )
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
-from uav_tracking_mpc.estimation.motion_check import RETURN, STALE
+from uav_tracking_mpc.estimation.motion_check import RETURN, STALE, STUCK_TIME
 from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
-# s, rad, m, rad/s: a reading that repeats is stuck once it has done so for longer than STUCK_TIME,
-# while the aircraft turned, or climbed, by more than these; a bank, while the turn rate changed by
-# more than STUCK_ROLL. A sensor that is read less often than states are sent repeats itself, too.
-STUCK_TIME, STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.7, 0.04, 3.0, 0.1
+# rad, m, rad/s: a reading that repeats for longer than STUCK_TIME is stuck if the aircraft has
+# turned, or climbed, by more than these; a bank, if the turn rate has changed by more than
+# STUCK_ROLL. A sensor that is read less often than states are sent repeats itself, too.
+STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.04, 3.0, 0.1
 # -, factors on the least and the greatest airspeed of the aircraft, beyond which an airspeed is
 # impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
 # it is used again

@@ -35,6 +35,7 @@ from uav_tracking_mpc.symbolic.layout import Layout
 
 DEVIATIONS = 4.0  # -, standard deviations that gusts explain
 RETURN = 0.5  # -, share of its limits that what was left out must keep to before it counts again
+STUCK_TIME = 1.0  # s, for which a reading that is stuck stays the same; one seldom read does, too
 
 # Ground velocity
 ODD = 10.0  # m/s, beyond gusts: a ground velocity that differs by more from the expected is odd
