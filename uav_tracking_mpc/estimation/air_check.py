@@ -66,7 +66,6 @@ SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0
 # airspeed before they move it, those across it hardly.
 OWN_DEVIATIONS = 3.0
 LEAST = 1.0  # m/s, that a jump, and what lasts, must exceed in still air
-GATE = 4.0  # m/s, besides gusts: an airspeed that is further off is left out at once
 DOMINANCE = 3.0  # -, least ratio of the residual of a sensor that fails to the other one
 # rad, that the error of a wind turns against the heading during a jump: of the wind without
 # airspeed, and of that without heading. With 0.3 of both a sound heading was blamed in gusts.
@@ -149,9 +148,9 @@ def air_checked(
     reason, is_heading = ca.vertsplit(known.reasons)
     was_silent = reason == CODE[SILENT]
     weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
-    # While nothing is compared the airspeed itself tells: no gust changes it as quickly.
+    # The airspeed itself tells at once, compared or not: no gust changes it as quickly.
     leap = gained - level * known.gained
-    leaps = present * (known.reading >= 0.0) * ca.logic_not(was_silent) * (weight[AIRSPEED] == 0.0)
+    leaps = present * (known.reading >= 0.0) * ca.logic_not(was_silent)
     leaps *= ca.fabs(leap) > SUDDEN + STEEPEST * elapsed + DEVIATIONS * noise
     known.leapt = (known.reasons[AIRSPEED] > 0.0) * known.leapt + leaps * leap
     leapt = (ca.fabs(known.leapt) > RETURN * SUDDEN) * CODE[JUMPED]
@@ -193,15 +192,7 @@ def air_checked(
             value.numel(), airspeed_compared
         )
         setattr(known, name, ca.if_else(judged, value, getattr(known, name)))
-    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + after.moved
-    # When the comparison begins, the wind may still be what is wrong.
-    early = known.weight[AIRSPEED] < EARLY + LASTING
-    gate += early * DEVIATIONS * wind_deviations[AIRSPEED]
-    error = ca.fabs(residuals[AIRSPEED])
-    own = ca.sign(residuals[AIRSPEED]) * (known.own[AIRSPEED] + known.rough[AIRSPEED])
-    far = (known.weight[AIRSPEED] > 0.0) * (error > gate) * (own > OWN_SHARE * error)
-    no_airspeed = ca.logic_or(known.reasons[AIRSPEED] > 0.0, far)
-    no_heading = known.reasons[HEADING] > 0.0
+    no_airspeed, no_heading = (known.reasons[k] > 0.0 for k in (AIRSPEED, HEADING))
     way = ca.if_else(no_airspeed, air[0], air[1])
     along = ca.if_else(no_heading, ca.norm_2(air[0]), along)
     return known, [no_airspeed, no_heading], ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
