@@ -85,7 +85,7 @@ CONTRADICTION = 0.01  # rad^2/s^2, beyond which the bank is left out; a slip mak
 STEEPEST = 1.5  # rad, bank or pitch beyond which no turn is coordinated
 QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
 STEADY_CLIMB = 2.0  # rad/s, omega_h
-HEIGHT_JUMP = 4.0  # m, from one height to the next, besides noise and climb: the height has jumped
+HEIGHT_JUMP = 4.0  # m, besides noise, from where the climb leads: the height has jumped
 CLIMB_LAG = 0.3  # s, tau, with which a climb follows the nose
 # m/s, m, s: a measured climb is wrong if it differs by more than WRONG_CLIMB from that of pitch and
 # height (severe gusts make 4 m/s), and the height by more than WRONG_HEIGHT from where it leads,
@@ -182,8 +182,7 @@ class Climb:
     def __init__(self) -> None:
         self._besides = Followed()  # h [m] less what the pitch makes of it, and c [m/s]
         self.nose_climb = self._by_pitch = 0.0  # m/s, and m of it
-        # m, height before, by how much it was above the expected one, and one that jumped likewise
-        self._height, self._apart, self._odd = math.nan, 0.0, math.nan
+        self._height = math.nan  # m, before
         # m, flown lately by height, measured climb and pitch; m^2 s, of the first two
         self._risen = self._told = self._pitched = self._along = self._squares = 0.0
         self.missed, self.failed = 0.0, False
@@ -207,20 +206,13 @@ class Climb:
         tells, begins = rise != 0.0, math.isnan(rise) or step > LONGEST_GAP
         if begins:
             self.nose_climb, besides.rate = by_pitch, up - by_pitch
-            self._apart, self._odd = 0.0, math.nan
             besides.value = height - self._by_pitch if tells else carried
         elif tells:
-            # One that jumps, and the next one with it, is elsewhere and has not climbed.
-            apart, limit = height - self._by_pitch - carried, HEIGHT_JUMP + NOISE_MULTIPLE * noise
-            usual, again = abs(apart - self._apart) <= limit, abs(apart - self._odd) <= limit
-            tells = usual or again
-            if usual:
-                self._apart = apart
-                besides.see(moved, height - self._by_pitch, STEADY_CLIMB)
-            else:
-                besides.value = carried + again * (apart - self._apart)
-            self._odd = math.nan if tells else apart
-            rise *= usual
+            elsewhere = height - self._by_pitch
+            if abs(elsewhere - carried) <= HEIGHT_JUMP + NOISE_MULTIPLE * noise:
+                besides.see(moved, elsewhere, STEADY_CLIMB)
+            else:  # one that jumps has not climbed
+                besides.value, rise = elsewhere, 0.0
         else:
             besides.value = carried
         self._height = height if tells else self._height
