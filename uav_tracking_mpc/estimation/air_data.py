@@ -35,7 +35,7 @@ from uav_tracking_mpc.estimation.flight_path import (
     FlightPath,
 )
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
-from uav_tracking_mpc.estimation.motion_check import RETURN, STALE, STUCK_TIME
+from uav_tracking_mpc.estimation.motion_check import CONTRARY_TIME, RETURN, STALE, STUCK_TIME
 from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
@@ -49,9 +49,9 @@ STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.04, 3.0, 0.1
 # impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
 # it is used again
 POSSIBLE = 0.75, 1.25
-# rad, s: a heading counts from North to East if the aircraft flies for so long beside its
-# heading by more than BESIDE, and beside the mirrored one by less than RETURN of that
-BESIDE, MIRRORED_FOR = 1.0, 3.0
+# rad: a heading counts from North to East if the aircraft flies for CONTRARY_TIME beside its
+# heading by more than this, and beside the mirrored one by less than RETURN of it
+BESIDE = 1.0
 
 
 class AirData:
@@ -267,7 +267,7 @@ class AirData:
         unknown = self.missing and not self.awaited and not wind_known
         return {
             "the heading looks as if it counted from North to East: it must count from East to "
-            "North (ENU)": self._mirrored > MIRRORED_FOR,
+            "North (ENU)": self._mirrored > CONTRARY_TIME,
             "the nose turns against the bank: the attitude is taken for the direction flown": (
                 self._path.contradicted
             ),

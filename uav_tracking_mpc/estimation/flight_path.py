@@ -68,6 +68,7 @@ import math
 
 from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+from uav_tracking_mpc.estimation.motion_check import LEAST_CLIMB, WINDOW
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
@@ -87,13 +88,13 @@ QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
 STEADY_CLIMB = 2.0  # rad/s, omega_h
 HEIGHT_JUMP = 4.0  # m, besides noise, from where the climb leads: the height has jumped
 CLIMB_LAG = 0.3  # s, tau, with which a climb follows the nose
-# m/s, m, s: a measured climb is wrong if it differs by more than WRONG_CLIMB from that of pitch and
+# m/s, m: a measured climb is wrong if it differs by more than WRONG_CLIMB from that of pitch and
 # height (severe gusts make 4 m/s), and the height by more than WRONG_HEIGHT from where it leads,
-# within WRONG_TIME
-WRONG_CLIMB, WRONG_HEIGHT, WRONG_TIME = 6.0, 1.0, 1.0
-# s, -, m^2 s: it is right again once the heights of RIGHT_TIME show this share of it, and the sum
-# of the squares of what was climbed exceeds RIGHT_SUM
-RIGHT_TIME, RIGHT_SHARE, RIGHT_SUM = 10.0, 0.7, 1.0
+# within WINDOW
+WRONG_CLIMB, WRONG_HEIGHT = 6.0, 1.0
+# s, -: it is right again once the heights of RIGHT_TIME show this share of it, and the sum of the
+# squares of what was climbed exceeds LEAST_CLIMB
+RIGHT_TIME, RIGHT_SHARE = 10.0, 0.7
 CLIMB_NOISE = 2.0  # m/s, standard deviation of that climb
 SLOW_CLIMB = 0.5  # rad/s, where an autopilot holds the altitude, and the rest is turbulence
 
@@ -226,7 +227,7 @@ class Climb:
 
         A rise of 0 is that of a height that repeats itself, and tells nothing.
         """
-        lately, kept = math.exp(-step / WRONG_TIME), math.exp(-step / RIGHT_TIME)
+        lately, kept = math.exp(-step / WINDOW), math.exp(-step / RIGHT_TIME)
         self._risen = lately * self._risen + rise
         self._told = lately * self._told + step * up
         self._pitched = lately * self._pitched + step * climb
@@ -236,7 +237,7 @@ class Climb:
         by_height = rise != 0.0 and off > max(least, abs(self._risen - self._pitched))
         if abs(self.missed) > WRONG_CLIMB and by_height and not self.failed:
             self.failed, self._along, self._squares = True, 0.0, 0.0
-        elif self._squares > RIGHT_SUM and self._along > RIGHT_SHARE * self._squares:
+        elif self._squares > LEAST_CLIMB and self._along > RIGHT_SHARE * self._squares:
             self.failed = False
 
 

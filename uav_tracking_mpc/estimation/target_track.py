@@ -74,9 +74,10 @@ from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.symbolic.layout import Layout
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
-MANOEUVRE_TIME = 5.0  # s, tau: least prediction errors on circles, straight runs, stop and go
-# s without a position after which the velocity fades; of a target that has run straight on
-BRIDGE_TIME, STRAIGHT_TIME = 5.0, 30.0
+# s, tau: least prediction errors on circles, straight runs, stop and go; and without a position for
+# so long the velocity fades
+MANOEUVRE_TIME = 5.0
+STRAIGHT_TIME = 30.0  # s, the same of a target that has run straight on
 FADE_TIME = 10.0  # s, its time constant
 TERMS = 16  # of the series of exp(-x), x <= 1/2: exact to rounding
 TURN_RATE_MAX = 1.0  # rad/s
@@ -148,7 +149,7 @@ def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.floa
     return transition, transition @ exponential[:3, 3:]
 
 
-def bridged(age: float, held: float = BRIDGE_TIME) -> tuple[float, float]:
+def bridged(age: float, held: float = MANOEUVRE_TIME) -> tuple[float, float]:
     """Time travelled at the velocity last known, and the share of it that is left.
 
     A target that is lost is taken to run on for a while and then to slow down, so that no
@@ -266,7 +267,7 @@ class TargetTrack:
             age: Of the track in [s].
         """
         straight = self.probabilities[QUIET] > RUNS_STRAIGHT
-        return bridged(age, STRAIGHT_TIME if straight else BRIDGE_TIME)
+        return bridged(age, STRAIGHT_TIME if straight else MANOEUVRE_TIME)
 
     def variance(self, order: int) -> float:
         """Variance of a derivative of the position, mean of the level axes, in SI units.
