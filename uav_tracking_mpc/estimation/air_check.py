@@ -45,13 +45,7 @@ from types import SimpleNamespace
 import casadi as ca
 
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, NOSE_JUMP
-from uav_tracking_mpc.estimation.motion_check import (
-    DEVIATIONS,
-    RETURN,
-    STEEPEST,
-    STUCK_TIME,
-    SUDDEN,
-)
+from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN, STEEPEST, SUDDEN, WINDOW
 from uav_tracking_mpc.estimation.noise_meter import CLIPPED, EARLY, MEMORY
 from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
@@ -230,7 +224,7 @@ def _stuck(
     unusual = (known.usual > 0.0) * (known.stood > LONGER * known.usual)
     off = ca.fabs(along - known.speed)
     explained = ca.logic_or(ca.fabs(known.gained) > STUCK_CHANGE, unusual)
-    stands = (known.stood > STUCK_TIME) * explained * (off > STUCK_CHANGE)
+    stands = (known.stood > WINDOW) * explained * (off > STUCK_CHANGE)
     stays = ca.logic_and(ca.logic_not(changed), reason == CODE[STUCK])
     return repeated(reason, ca.logic_or(stands, stays))
 
@@ -298,7 +292,7 @@ def _compared(
     unexplained = late * both_used * (beyond[HEADING] <= 0.0) * ca.fmax(beyond[AIRSPEED], 0.0)
     found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
     agrees = ca.fabs(now[ITS]) < RETURN * ca.fmin(most, least)
-    agrees[AIRSPEED] *= known.stood < STUCK_TIME
+    agrees[AIRSPEED] *= known.stood < WINDOW
     agrees *= ca.logic_or(reasons == CODE[JUMPED], reasons == CODE[OFF])
     agreed = ca.if_else(agrees, known.agreed + elapsed, 0.0)
     again = agreed > CHANGE_TIME

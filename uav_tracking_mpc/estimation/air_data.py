@@ -35,13 +35,13 @@ from uav_tracking_mpc.estimation.flight_path import (
     FlightPath,
 )
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
-from uav_tracking_mpc.estimation.motion_check import CONTRARY_TIME, RETURN, STALE, STUCK_TIME
+from uav_tracking_mpc.estimation.motion_check import CONTRARY_TIME, RETURN, STALE, WINDOW
 from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
-# rad, m, rad/s: a reading that repeats for longer than STUCK_TIME is stuck if the aircraft has
+# rad, m, rad/s: a reading that repeats for longer than WINDOW is stuck if the aircraft has
 # turned, or climbed, by more than these; a bank, if the turn rate has changed by more than
 # STUCK_ROLL. A sensor that is read less often than states are sent repeats itself, too.
 STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.04, 3.0, 0.1
@@ -200,7 +200,7 @@ class AirData:
         repeats = place == self._place or not measurement.placed
         self._stays = repeats * (self._stays + elapsed)
         waits = STALE if self._stays > STALE else math.inf
-        seldom = waits if repeats else STUCK_TIME
+        seldom = waits if repeats else WINDOW
         told = measurement.axis is Axis.BODY and measurement.bank is not None
         rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
         climbed = place[2] - self._place[2] - elapsed * velocity[2]
@@ -208,8 +208,8 @@ class AirData:
         by_pitch = elapsed * self._path.climb.missed
         most = STUCK_CLIMB + NOISE_MULTIPLE * height_noise
         checks = (
-            (measurement.heading, turned, STUCK_TURN, STUCK_TIME),
-            (measurement.bank, told * rolled, STUCK_ROLL, STUCK_TIME),
+            (measurement.heading, turned, STUCK_TURN, WINDOW),
+            (measurement.bank, told * rolled, STUCK_ROLL, WINDOW),
             (velocity, turned, STUCK_TURN, seldom),
             (velocity[2], 0.0 if math.isnan(climbed) else climbed, most, seldom),
             (velocity[2], by_pitch, STUCK_CLIMB, seldom),

@@ -35,12 +35,13 @@ from uav_tracking_mpc.symbolic.layout import Layout
 
 DEVIATIONS = 4.0  # -, standard deviations that gusts explain
 RETURN = 0.5  # -, share of its limits that what was left out must keep to before it counts again
-STUCK_TIME = 1.0  # s, for which a reading that is stuck stays the same; one seldom read does, too
 
 # Ground velocity
 ODD = 10.0  # m/s, beyond gusts: a ground velocity that differs by more from the expected is odd
 SUDDEN, STEEPEST = 5.0, 30.0  # m/s, m/s^2: a change beyond SUDDEN + STEEPEST times is no gust's
-WINDOW = 1.0  # s, least length of a window, at whose end positions tell which velocity was flown
+# s, least length of a window, at whose end positions tell which velocity was flown; and for which a
+# reading that is stuck stays the same
+WINDOW = 1.0
 # m/s, s: positions contradict a velocity if the way flown differs from it by more than CONTRARY,
 # besides the noise of positions, for CONTRARY_TIME: a position that jumps and comes back takes two
 # windows

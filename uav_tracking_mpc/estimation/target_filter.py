@@ -57,7 +57,6 @@ WINDOW = 240  # second differences that count
 NEWEST = 24  # of them, which notice that the noise has changed
 CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but once in a thousand
 COMPARED = 96  # of them, by which axes are compared: noise of a camera turns with where it looks
-KNOWN = 3  # second differences after which the noise is known, with what is told
 RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
 QUANTILE = 0.4  # -, that is compared: with 20 % outliers half of the differences are wrong
 CHI_SQUARE = 1.8691684  # -, that quantile, of 3 degrees of freedom
@@ -334,7 +333,7 @@ class MeasurementNoise:
         if len(squares) >= 2 * NEWEST and not agree:
             self._differences, level = self._differences[-NEWEST:], recent
         self.scales = np.clip(level / self._usual * self._shares, SCALE_MIN, 1.0 / SCALE_MIN)
-        self.known = len(squares) >= KNOWN
+        self.known = len(squares) >= AGREEING  # with what is told
 
     def _compare_axes(self) -> None:
         """Noise goes up and down in turn, as no way of a target does."""

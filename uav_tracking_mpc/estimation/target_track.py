@@ -81,7 +81,8 @@ STRAIGHT_TIME = 30.0  # s, the same of a target that has run straight on
 FADE_TIME = 10.0  # s, its time constant
 TERMS = 16  # of the series of exp(-x), x <= 1/2: exact to rounding
 TURN_RATE_MAX = 1.0  # rad/s
-SPEED_TIME = 2.0  # s, tau_v: vehicles change their speed for a few seconds
+# s, tau_v: vehicles change their speed for a few seconds, over which the turn rate is averaged, too
+SPEED_TIME = 2.0
 REWIND = 1.0  # s before the newest position for which a track tells where the target was
 STRAIGHT = 1e-7  # rad/s: a slower turn cannot be told from a straight line
 
@@ -101,7 +102,6 @@ OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
 SECOND = 4.0  # -, factor on the gate of a track's second position: its velocity is not known yet
 ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
 FORGOTTEN = 300.0  # s without a position after which nothing is left of a track
-TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 # Velocity [m/s] and its variances on each axis [m^2/s^2], shape (3,) each.
 Motion = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -320,7 +320,7 @@ class TargetTrack:
         (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
         # A velocity within its own uncertainty has no direction to turn.
         square = max(vx * vx + vy * vy, 9.0 * self.variance(1))
-        share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
+        share = 1.0 - math.exp(-elapsed / SPEED_TIME)
         self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
         return True
 
