@@ -46,7 +46,7 @@ import casadi as ca
 
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, NOSE_JUMP
 from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN, STEEPEST, SUDDEN, WINDOW
-from uav_tracking_mpc.estimation.noise_meter import CLIPPED, EARLY, MEMORY
+from uav_tracking_mpc.estimation.noise_meter import EARLY, MEMORY
 from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 from uav_tracking_mpc.symbolic.layout import Layout
@@ -67,6 +67,7 @@ TURNED = 0.3, 0.7
 # m/s: standard deviation of the wind above which nothing is compared, and by which a sound airspeed
 # may read otherwise than it; and late in a flight, when gusts let no wind be known better
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
+CLIPPED = 9.0  # -, mean squares that a jump counts at most among them, or it would hide itself
 PRIOR = 0.5  # m/s, gusts that are taken at first, with the weight EARLY
 OWN_SHARE = 0.5  # -, share of a jump that is the sensor's own, above which it is named
 HALF_TURN = math.pi + 0.5  # rad, greatest difference of headings
