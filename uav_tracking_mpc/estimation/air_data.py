@@ -223,12 +223,11 @@ class AirData:
         self._place = place
         # A heading that counts from North to East is the mirrored one.
         course = math.atan2(velocity[1], velocity[0])
-        flies = math.hypot(*velocity[:2]) > LEAST_AIRSPEED
         beside = abs(math.remainder(course - measurement.heading, math.tau))
         mirrored = abs(math.remainder(course + measurement.heading - 0.5 * math.pi, math.tau))
         stuck = self._repeated[0][-1] or self._repeated[2][-1]
-        sound = not (stuck or self._velocity_failed)
-        looks = flies and beside > BESIDE and mirrored < RETURN * BESIDE
+        sound = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and not (stuck or self._velocity_failed)
+        looks = beside > BESIDE and mirrored < RETURN * BESIDE
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
 
     @property

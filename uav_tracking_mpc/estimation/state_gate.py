@@ -114,8 +114,9 @@ class StateGate:
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
         moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
         # A gap that the clock has seen as well is one of the messages, not of the stamps.
-        ahead = self._ahead(measurement.stamp, now)
-        ordinary = step > 0.0 and (step <= self.timeout or ahead <= self.timeout)
+        ordinary = step > 0.0 and (
+            step <= self.timeout or self._ahead(measurement.stamp, now) <= self.timeout
+        )
         if ordinary and not moved:
             return self._believe(measurement, now, Verdict.USE)
         if step < 0.0:
