@@ -15,7 +15,9 @@
 """Wind, gusts and biases from flights whose air is known."""
 
 import math
+from types import SimpleNamespace
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -23,8 +25,9 @@ from uav_tracking_mpc.estimation.air_check import WIND_KNOWN
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.sensor_health import POSITION, USED
-from uav_tracking_mpc.estimation.wind_filter import DIAGONAL, SIZE, G, P, W
+from uav_tracking_mpc.estimation.wind_filter import DIAGONAL, QUICK, SIZE, G, P, W, lasting_gust
 
+SIZES = {"elapsed": 1, "gust": 3, "air": 3, "steady": 3}
 STEP, SPEED, TURN = 0.05, 22.0, 0.073
 
 
@@ -401,6 +404,39 @@ def test_a_wind_without_heading_is_as_sure_as_it_says_after_a_straight_flight():
                 error = np.linalg.norm((lane.state[W] - wind)[:2])
                 apart.append(error / max(deviation, 1.0))
     assert max(apart) < 6.0
+
+
+def test_a_plan_counts_on_gusts_that_last_and_not_on_what_shakes():
+    """Unless it is the heading that shakes: the gust is then what it errs by."""
+    random, counted, steady = np.random.default_rng(1), [], np.array([22.0, 0.0, 0.0])
+    memory, inputs = QUICK.symbol("memory")
+    elapsed, gust, air, usual = [ca.SX.sym(name, size) for name, size in SIZES.items()]
+    lane = SimpleNamespace(air=air, steady=usual)
+    step = [elapsed, gust, air, usual]
+    after, lasting = lasting_gust(inputs, elapsed, gust, lane)
+    step = ca.Function("step", [memory, *step], [QUICK.joined(after), lasting])
+    for kind in ("gust", "swing", "turbulence", "heading"):
+        known, gust = np.zeros(QUICK.size), np.zeros(3)
+        quick, kept = [], []
+        for k in range(round(60.0 / STEP)):
+            shock = np.sqrt(STEP) * random.standard_normal(3)
+            if kind == "gust":
+                gust = gust - STEP / 10.0 * gust + shock
+            elif kind == "turbulence":
+                gust = gust - STEP / 0.3 * gust + 3.0 * shock
+            else:
+                gust = np.full(3, math.sin(2.0 * math.pi * 0.8 * k * STEP))
+            air = steady - gust if kind == "heading" else steady
+            found = step(known, STEP, gust, air, steady)
+            known, lasts = (np.array(value).ravel() for value in found)
+            slow = QUICK.parts(known).slow
+            quick.append(gust - slow)
+            kept.append(lasts - slow)
+        late = slice(round(30.0 / STEP), None)
+        counted.append(np.std(kept[late]) / np.std(quick[late]))
+    assert counted[0] > 0.9
+    assert counted[1] == counted[2] == 0.0
+    assert counted[3] == pytest.approx(1.0)
 
 
 def test_without_an_airspeed_the_path_angle_is_what_is_measured():

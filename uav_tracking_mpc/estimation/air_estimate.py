@@ -89,6 +89,7 @@ MEMORY = Layout(
     **dict.fromkeys(LANES, LANE),
     meters=wind_filter.METERS.layout,
     places=wind_filter.PLACES.layout,
+    quick=wind_filter.QUICK,
     aided=rate_aided.RATE_AIDED,
     air=air_check.AIR_CHECK,
     compass=air_check.COMPASS_CHECK,
@@ -98,7 +99,7 @@ MEMORY = Layout(
     ground=3,
 )
 # (x, y, z, psi, chi, v) through the air; (psi', chi', v'); mean wind [m/s] and how it changes
-# [m/s^2], the gust [m/s] and how long gusts last on each axis [s], intensity of level
+# [m/s^2], the gust that lasts [m/s] and how long gusts last on each axis [s], intensity of level
 # gusts [m^2/s^3]. State of each sensor, whether the heading has jumped, and the air changed; the
 # mean wind without the airspeed [m/s], whether it is known, the standard deviation of what ground
 # velocity and wind tell of the airspeed [m/s]; by how much an airspeed that is still used may be
@@ -213,7 +214,7 @@ class AirEstimate:
         if self.found.snapped[0]:
             self.health.states[HEADING] = JUMPED
         if self.found.changed[0]:  # the air: nothing is known of the wind
-            self._forget(*LANES, "meters", "places")
+            self._forget(*LANES, "meters", "places", "quick")
             self.found.without[:] = self.found.known[:] = 0.0
             self._time = None
         return self.found
@@ -381,10 +382,12 @@ def _step() -> ca.Function:
     main, blind = after[MAIN], after[NO_AIRSPEED]
     state = main.state
     unknown = ca.mmax(blind.triangle[LEVEL_WIND]) + ca.mmax(blind.triangle[LEVEL_GUST])
+    quick, gust = wind_filter.lasting_gust(known.quick, dt, state[G], ahead[MAIN])
     remembered = SimpleNamespace(
         **dict(zip(LANES, after, strict=True)),
         meters=metered,
         places=metered_places,
+        quick=quick,
         aided=aided,
         air=air,
         compass=compass,
@@ -403,7 +406,7 @@ def _step() -> ca.Function:
         rates=ca.vertcat(seen.rates[:2] - (seen.biased * aided.bias)[:2], seen.rates[2]),
         wind=state[W],
         trend=ca.vertcat(state[T], 0.0),
-        gust=state[G],
+        gust=gust,
         times=ahead[MAIN].times,
         states=ca.vertcat(
             air.reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])

@@ -87,6 +87,16 @@ _OF_POSITION = np.flatnonzero(P.stop > _ROWS)
 METERS = NoiseMeters((2, 1), (VELOCITY_NOISE, VELOCITY_NOISE), (GUST_WALK, GUST_WALK))
 PLACES = NoiseMeters((3,), (POSITION_NOISE,), (0.0,), jumping=True)
 
+
+# Which part of a gust lasts
+SLOW_TIME = 2.0  # s, over which gusts are averaged; the rest is quick
+QUICK_TIME = 0.5  # s, over which the quick part is averaged to see whether it lasts
+MEMORY_TIME = 20.0  # s, of its mean squares
+LEAST_QUICK = 0.1  # m/s, of quick parts that are too small to tell
+SHAKES, LASTS = 0.60, 0.70  # -, correlation of the quick part at which none of it counts, and all
+BY_SENSORS = 0.5  # -, share of it by noise of heading and airspeed, at which all of it counts
+QUICK = Layout(slow=3, averaged=3, means=6)
+
 # What positions alone tell of the ground velocity: up to which frequency, and how exactly
 FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
 FOLLOWER = Layout(place=3, velocity=3)
@@ -168,6 +178,45 @@ def predicted(
         times=times,
         walk=walks[0],
     )
+
+
+def lasting_gust(
+    known: SimpleNamespace, elapsed: ca.SX, gust: ca.SX, lane: SimpleNamespace
+) -> tuple[SimpleNamespace, ca.SX]:
+    """What is known of gusts after one, and the part of it that a plan should count on, in [m/s].
+
+    A gust that fades slowly stays alike over half a second, also the quick part of it. What shakes
+    the aircraft does not: turbulence that is shorter than the wing answers, and the swing of its
+    own slip. To answer those takes longer than they last. Where heading and airspeed shake instead,
+    the gust must be kept: it is what they err by.
+
+    Args:
+        known: By :data:`QUICK`.
+        elapsed: Since the one before in [s].
+        gust: Shape (3,), in [m/s].
+        lane: As predicted, velocities in [m/s].
+    """
+    across = _across(lane.steady) / ca.fmax(ca.norm_2(lane.steady), 1.0)
+
+    def seen(one: ca.SX, other: ca.SX) -> ca.SX:  # products across the flight, and up
+        return ca.vertcat(ca.dot(across, one) * ca.dot(across, other), one[2] * other[2])
+
+    slow = known.slow + (1.0 - ca.exp(-elapsed / SLOW_TIME)) * (gust - known.slow)
+    quick = gust - slow
+    averaged = known.averaged + (1.0 - ca.exp(-elapsed / QUICK_TIME)) * (quick - known.averaged)
+    share, floor = elapsed / MEMORY_TIME, LEAST_QUICK**2
+    now = [seen(quick, each) for each in (quick, averaged, lane.steady - lane.air)]
+    means = known.means + share * (ca.vertcat(*now) - known.means)
+    squares, products, by_sensors = ca.vertsplit(means, 2)
+    counts = _between((products + floor) / (squares + floor), SHAKES, LASTS)
+    counts = ca.fmax(counts, _between(by_sensors / (squares + floor), 0.0, BY_SENSORS))
+    after = SimpleNamespace(slow=slow, averaged=averaged, means=means)
+    return after, slow + ca.vertcat(counts[0], counts[0], counts[1]) * quick
+
+
+def _between(values: ca.SX, least: float, most: float) -> ca.SX:
+    """0 at the least and below, 1 at the most and beyond."""
+    return ca.fmin(ca.fmax((values - least) / (most - least), 0.0), 1.0)
 
 
 def through_air(lane: SimpleNamespace) -> ca.SX:
