@@ -26,11 +26,11 @@ from uav_tracking_mpc.estimation.air_check import (
     AIRSPEED,
     COMPASS_CHECK,
     HEADING,
-    SNAP,
     air_checked,
     compass_checked,
     repeated,
 )
+from uav_tracking_mpc.estimation.flight_path import NOSE_JUMP
 from uav_tracking_mpc.estimation.motion_check import RETURN
 from uav_tracking_mpc.estimation.sensor_health import STATES
 
@@ -316,7 +316,7 @@ def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0, stuck=
         for k, (*seen, stands) in enumerate(zip(headings, turn, alone, stuck, strict=True))
     ]
     snapped = np.array([float(angle[0]) for _, angle in found])
-    return headings - snapped, (np.abs(snapped) > RETURN * SNAP).tolist()
+    return headings - snapped, (np.abs(snapped) > RETURN * NOSE_JUMP).tolist()
 
 
 def test_a_heading_that_is_stuck_without_an_airspeed_goes_on_as_the_gyros_turn():

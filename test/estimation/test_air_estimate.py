@@ -380,7 +380,7 @@ def test_an_airspeed_that_is_far_off_is_not_used_even_once():
     ahead = np.array([np.cos(psi), np.sin(psi), 0.0])
     filter_.see(time, position, SPEED * ahead + [3.0, -5.0, 0.2], 5.0 * ahead)
     assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.2)
-    assert filter_.health.states["airspeed"] == "used"
+    assert filter_.health.states["airspeed"] == "jumped"
     np.testing.assert_allclose(filter_.state.wind + filter_.state.gust, [3.0, -5.0, 0.2], atol=0.2)
 
 

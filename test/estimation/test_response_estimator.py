@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from uav_tracking_mpc.estimation.response_estimator import (
     DELAY_TRUST,
     GAIN_LIMITS,
-    RESPONSE_TRUST,
+    GAIN_TRUST,
     ChannelResponse,
     ResponseEstimator,
 )
@@ -190,7 +190,7 @@ def test_the_same_flight_gives_the_same_estimate_bit_for_bit():
 @pytest.mark.parametrize("trusted_before", [False, True])
 def test_a_channel_that_swings_is_flown_by_a_less_certain_estimate(trusted_before):
     uncertain = ChannelResponse(
-        delay_deviation=2.0 * DELAY_TRUST[trusted_before], gain_deviation=2.0 * RESPONSE_TRUST
+        delay_deviation=2.0 * DELAY_TRUST[trusted_before], gain_deviation=2.0 * GAIN_TRUST[True]
     )
     before = ChannelResponse(trusted=trusted_before)
     assert not uncertain.judged(before, swings=False).trusted

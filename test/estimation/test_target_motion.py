@@ -19,7 +19,6 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from uav_tracking_mpc.estimation.target_track import (
-    BRIDGE_TIME,
     FADE_TIME,
     MANOEUVRE_TIME,
     TURN,
@@ -61,9 +60,9 @@ def test_a_short_time_is_a_driven_triple_integrator(duration):
 
 
 def test_a_lost_target_runs_on_and_then_slows_down():
-    assert bridged(BRIDGE_TIME) == (BRIDGE_TIME, 1.0)
+    assert bridged(MANOEUVRE_TIME) == (MANOEUVRE_TIME, 1.0)
     travelled, left = bridged(1e3)
-    assert travelled == pytest.approx(BRIDGE_TIME + FADE_TIME)
+    assert travelled == pytest.approx(MANOEUVRE_TIME + FADE_TIME)
     assert left == pytest.approx(0.0)
     h = 1e-6
     slope = (bridged(9.0 + h)[0] - bridged(9.0 - h)[0]) / (2 * h)

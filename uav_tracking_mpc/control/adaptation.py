@@ -33,9 +33,9 @@ from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 TAKING_OVER = 5.0  # s after an aircraft begins to fly the commands, in which nothing is learnt
 PERIOD = 0.5  # s between changes of what is flown
 SPEED = 0.2  # s of lag or dead time, or share of the gain, by which it changes in a second
-# s, s, - and -: an estimate replaces what was told if it differs by more than this, and by more
+# s or -, and -: an estimate replaces what was told if it differs by more than LEAST, and by more
 # than so many standard deviations; what was told comes back below half of it.
-LEAST_LAG, LEAST_DELAY, LEAST_GAIN, SIGNIFICANT = 0.03, 0.015, 0.03, 2.0
+LEAST, SIGNIFICANT = 0.02, 2.0
 ROUNDING = 1e-4  # s, to which what is flown follows
 LAG = "lag", "lag_deviation", "lag_trusted"
 DELAY = "delay", "delay_deviation", "trusted"
@@ -277,11 +277,11 @@ class ResponseAdaptation:
         """Move every channel by at most so many [s], or so much gain."""
         told, (lags, dead_times, gains) = self._told.response, self._learnt
         delays, told_delays = lags + dead_times, told.lags + told.dead_times
-        wanted_gains = self._wanted(GAIN, gains, np.ones(3), LEAST_GAIN)
-        wanted_delays = self._wanted(DELAY, delays, told_delays, LEAST_DELAY)
+        wanted_gains = self._wanted(GAIN, gains, np.ones(3))
+        wanted_delays = self._wanted(DELAY, delays, told_delays)
         shared = wanted_delays * told.lags / np.where(told_delays > 0.0, told_delays, math.inf)
         likely = np.where([each.lag_trusted for each in self.estimator.channels], told.lags, shared)
-        wanted_lags = self._wanted(LAG, lags, likely, LEAST_LAG)
+        wanted_lags = self._wanted(LAG, lags, likely)
         # A lag without the sum that it is a part of would become dead time.
         summed = self._replaced[DELAY] | [each.trusted for each in self.estimator.channels]
         wanted_lags = np.where(summed, wanted_lags, shared)
@@ -299,11 +299,7 @@ class ResponseAdaptation:
         )
 
     def _wanted(
-        self,
-        names: tuple[str, str, str],
-        flown: NDArray[np.float64],
-        told: NDArray[np.float64],
-        least: float,
+        self, names: tuple[str, str, str], flown: NDArray[np.float64], told: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """The estimates where they are trusted and contradict what was told, shape (3,).
 
@@ -313,13 +309,12 @@ class ResponseAdaptation:
             names: Of the estimate, its standard deviation, and whether it is trusted.
             flown: What is flown by, shape (3,).
             told: What was told, shape (3,).
-            least: By how much a trusted one must differ.
         """
         found, deviation, trusted = (
             np.array([getattr(each, name) for each in self.estimator.channels]) for name in names
         )
         before = self._replaced[names]
         stays = before & (np.abs(found - flown) <= SIGNIFICANT * deviation)
-        needed = np.where(before, 0.5 * least, np.maximum(least, SIGNIFICANT * deviation))
+        needed = np.where(before, 0.5 * LEAST, np.maximum(LEAST, SIGNIFICANT * deviation))
         self._replaced[names] = np.where(trusted, np.abs(found - told) > needed, stays)
         return np.where(self._replaced[names], np.where(trusted, found, flown), told)

@@ -283,7 +283,7 @@ class Controller:
             measurement: Of the aircraft.
             now: Time at the call in [s], by the clock of the stamps; not a number if it is unknown.
         """
-        self._believe(measurement, self._stopwatch(), now)
+        self._believe(measurement, now)
 
     def step(self, measurement: Measurement, now: float) -> Command | None:
         """Answer a measurement.
@@ -297,7 +297,7 @@ class Controller:
             position for too long.
         """
         begin, stamp = self._stopwatch(), measurement.stamp
-        believed = self._believe(measurement, begin, now)
+        believed = self._believe(measurement, now)
         if believed is None:
             return self._go_on(stamp) if self._gate.hangs(measurement) else None
         measurement, vehicle = believed
@@ -372,10 +372,10 @@ class Controller:
         self._select(Available(state=False, trouble=reason))
 
     def _believe(
-        self, measurement: Measurement, arrival: float, now: float
+        self, measurement: Measurement, now: float
     ) -> tuple[Measurement, NDArray[np.float64]] | None:
         """See :meth:`AirData.see_state`; None if the measurement is not to be used."""
-        before, verdict = self.state_time, self._gate.judge(measurement, arrival, now)
+        before, verdict = self.state_time, self._gate.judge(measurement, now)
         reason = f"vehicle state: {self._gate.reason}"
         if verdict is Verdict.DOUBT:
             self.events.add(Level.REFUSAL, f"{reason}; used if the next ones agree")

@@ -44,41 +44,36 @@ from types import SimpleNamespace
 
 import casadi as ca
 
-from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
-from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN, STEEPEST, SUDDEN
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, NOSE_JUMP
+from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN, STEEPEST, SUDDEN, WINDOW
+from uav_tracking_mpc.estimation.noise_meter import EARLY, MEMORY
 from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, OFF, SILENT, STUCK, USED
+from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 from uav_tracking_mpc.symbolic.layout import Layout
 
 # Airspeed and heading by the wind
 
-# s: time constants of the noise of a residual, of its jumps, and of what lasts
+# s: time constants of the noise of a residual, of its jumps, and of what lasts. A sensor must have
+# agreed for CHANGE_TIME to be used again.
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0
-LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s, that a jump, and what lasts, must exceed in still air
-GATE = 4.0  # m/s, besides gusts: an airspeed that is further off is left out at once
 # -, standard deviations of its own residual that gusts explain. Those along a real aircraft show as
 # airspeed before they move it, those across it hardly.
 OWN_DEVIATIONS = 3.0
+LEAST = 1.0  # m/s, that a jump, and what lasts, must exceed in still air
 DOMINANCE = 3.0  # -, least ratio of the residual of a sensor that fails to the other one
 # rad, that the error of a wind turns against the heading during a jump: of the wind without
 # airspeed, and of that without heading. With 0.3 of both a sound heading was blamed in gusts.
 TURNED = 0.3, 0.7
-# s: by what the wind without airspeed has changed in this time, it may also have changed along the
-# heading, where it is not seen
-CHANGES = 40.0
-# m/s: standard deviation of the wind above which nothing is compared; and late in a flight, when
-# gusts let no wind be known better
+# m/s: standard deviation of the wind above which nothing is compared, and by which a sound airspeed
+# may read otherwise than it; and late in a flight, when gusts let no wind be known better
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
-COMPARED = 60.0  # s, memory of the gusts
 CLIPPED = 9.0  # -, mean squares that a jump counts at most among them, or it would hide itself
-PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts that are taken at first, and the weight of that
+PRIOR = 0.5  # m/s, gusts that are taken at first, with the weight EARLY
 OWN_SHARE = 0.5  # -, share of a jump that is the sensor's own, above which it is named
-DOUBT = 1.5  # m/s, by which a sound airspeed may read otherwise than the wind explains
-AGREED_FOR = 5.0  # s, for which a sensor must have agreed to be used again
 HALF_TURN = math.pi + 0.5  # rad, greatest difference of headings
-STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
-# -, m/s: the same where nothing is commanded: a reading stands so many times as long as usual, and
-# the speed changes by more than the steps of a coarse one
-LONGER, UNTOLD_CHANGE = 10.0, 0.6
+# m/s, -: by which the speed changes, by more than the steps of a coarse reading, while one that is
+# stuck stays: as commanded, or for so many times as long as usual
+STUCK_CHANGE, LONGER = 0.5, 10.0
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
 ITS, OTHER = [0, 3], [1, 2]  # indices of residuals: of each sensor, and the other one by that wind
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
@@ -94,9 +89,9 @@ AIR_CHECK = Layout(
 
 # The compass by the gyros
 
-# rad, rad/s, -: a heading jumps if it differs from that of the gyros by more than SNAP, plus
-# SNAP_RATE times the time since the last one, plus so many standard deviations of its noise.
-SNAP, SNAP_RATE, SNAP_DEVIATIONS = 0.1, 0.3, 8.0
+# rad/s: a heading jumps if it differs from that of the gyros by more than NOSE_JUMP, plus SNAP_RATE
+# times the time since the last one, plus NOISE_MULTIPLE standard deviations of its noise.
+SNAP_RATE = 0.3
 GYRO_TIME = 120.0  # s, memory of the gyros' bias: a compass that drifts is found before
 COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1)
 
@@ -148,9 +143,9 @@ def air_checked(
     reason, is_heading = ca.vertsplit(known.reasons)
     was_silent = reason == CODE[SILENT]
     weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
-    # While nothing is compared the airspeed itself tells: no gust changes it as quickly.
+    # The airspeed itself tells at once, compared or not: no gust changes it as quickly.
     leap = gained - level * known.gained
-    leaps = present * (known.reading >= 0.0) * ca.logic_not(was_silent) * (weight[AIRSPEED] == 0.0)
+    leaps = present * (known.reading >= 0.0) * ca.logic_not(was_silent)
     leaps *= ca.fabs(leap) > SUDDEN + STEEPEST * elapsed + DEVIATIONS * noise
     known.leapt = (known.reasons[AIRSPEED] > 0.0) * known.leapt + leaps * leap
     leapt = (ca.fabs(known.leapt) > RETURN * SUDDEN) * CODE[JUMPED]
@@ -192,15 +187,7 @@ def air_checked(
             value.numel(), airspeed_compared
         )
         setattr(known, name, ca.if_else(judged, value, getattr(known, name)))
-    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + after.moved
-    # When the comparison begins, the wind may still be what is wrong.
-    early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
-    gate += early * DEVIATIONS * wind_deviations[AIRSPEED]
-    error = ca.fabs(residuals[AIRSPEED])
-    own = ca.sign(residuals[AIRSPEED]) * (known.own[AIRSPEED] + known.rough[AIRSPEED])
-    far = (known.weight[AIRSPEED] > 0.0) * (error > gate) * (own > OWN_SHARE * error)
-    no_airspeed = ca.logic_or(known.reasons[AIRSPEED] > 0.0, far)
-    no_heading = known.reasons[HEADING] > 0.0
+    no_airspeed, no_heading = (known.reasons[k] > 0.0 for k in (AIRSPEED, HEADING))
     way = ca.if_else(no_airspeed, air[0], air[1])
     along = ca.if_else(no_heading, ca.norm_2(air[0]), along)
     return known, [no_airspeed, no_heading], ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
@@ -228,7 +215,7 @@ def _stuck(
     changed = ca.logic_not(reading == known.reading)
     stood = known.stood + elapsed
     # How long it may stand: as long as it has lately, while it was not stuck.
-    longest = ca.fmax(known.usual * ca.exp(-elapsed / COMPARED), (reason != CODE[STUCK]) * stood)
+    longest = ca.fmax(known.usual * ca.exp(-elapsed / MEMORY), (reason != CODE[STUCK]) * stood)
     known.usual = ca.if_else(changed, longest, known.usual)
     known.stood = ca.if_else(changed, 0.0, stood)
     known.gained = ca.if_else(changed, 0.0, known.gained + elapsed * acceleration)
@@ -237,9 +224,8 @@ def _stuck(
     # Where the autopilot goes by it, too, the speed changes though nothing is commanded.
     unusual = (known.usual > 0.0) * (known.stood > LONGER * known.usual)
     off = ca.fabs(along - known.speed)
-    gained = ca.fmin(ca.fabs(known.gained), off) > STUCK_CHANGE
-    gained = ca.logic_or(gained, unusual * (off > UNTOLD_CHANGE))
-    stands = ca.logic_and(known.stood > STUCK_FOR, gained)
+    explained = ca.logic_or(ca.fabs(known.gained) > STUCK_CHANGE, unusual)
+    stands = (known.stood > WINDOW) * explained * (off > STUCK_CHANGE)
     stays = ca.logic_and(ca.logic_not(changed), reason == CODE[STUCK])
     return repeated(reason, ca.logic_or(stands, stays))
 
@@ -255,24 +241,26 @@ def _compared(
     explained: ca.SX,
 ) -> SimpleNamespace:
     """What is known after residuals have been followed, with the states of both sensors."""
+    # By what the wind without airspeed has changed lately, it may also have changed along the
+    # heading, where it is not seen.
     moved = ca.norm_2(explained - known.explained)
-    moved = ca.fmax(moved, known.moved * ca.exp(-elapsed / CHANGES))
-    followed = known.explained + ca.fmin(elapsed / CHANGES, 1.0) * (explained - known.explained)
+    moved = ca.fmax(moved, known.moved * ca.exp(-elapsed / MEMORY))
+    followed = known.explained + ca.fmin(elapsed / MEMORY, 1.0) * (explained - known.explained)
     recent = known.recent + ca.fmin(elapsed / CHANGE_TIME, 1.0) * (explained - known.recent)
     fresh, reasons = weight == 0.0, known.reasons
     begins = _of_residuals(fresh)
     now, before = (ca.if_else(begins, residuals, each) for each in (known.now, known.before))
     lasting = ca.if_else(begins, 0.0, known.lasting)
-    weight = ca.fmin(ca.if_else(fresh, PRIOR_TIME, weight) + elapsed, COMPARED)
+    weight = ca.fmin(ca.if_else(fresh, EARLY, weight) + elapsed, MEMORY)
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
     rough = ca.if_else(fresh, 0.0, known.rough + own)
     smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
-    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / CHANGES) * known.drifted + smooth)
+    drifted = ca.if_else(fresh, 0.0, (1.0 - elapsed / MEMORY) * known.drifted + smooth)
     high_low = ca.vertcat(1.0, -1.0)
-    late = weight[AIRSPEED] >= PRIOR_TIME + LASTING  # until then the wind may be what is wrong
-    doubts = late * (ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - DOUBT)
+    late = weight[AIRSPEED] >= EARLY + LASTING  # until then the wind may be what is wrong
+    doubts = late * (ca.fmin(high_low * now[AIRSPEED], high_low * drifted[AIRSPEED]) - WIND_KNOWN)
     # It goes once the residual has gone: what has changed fades, and gusts may hide it for a while.
     fading = ca.fmax(high_low * lasting[AIRSPEED], known.doubts * (1.0 - elapsed / LASTING))
     doubts = ca.fmax(doubts, ca.fmin(known.doubts, fading))
@@ -284,8 +272,8 @@ def _compared(
     usual = DEVIATIONS * ca.sqrt(known.jumps[OTHER] + turned**2)
     usual = ca.fmax(usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[ITS]))
     usual = ca.fmax(usual, ca.vertcat(ca.norm_2(explained - recent), 0.0))
-    most = ca.fmax(LEAST_JUMP + usual, DOMINANCE * ca.fabs(jumps[OTHER]))
-    least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[OTHER])
+    most = ca.fmax(LEAST + usual, DOMINANCE * ca.fabs(jumps[OTHER]))
+    least = LEAST + DEVIATIONS * ca.sqrt(known.offsets[OTHER])
     least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[OTHER])) + ca.vertcat(moved, 0.0)
     by_sensor, size = ca.sign(its_jump) * owned, ca.fabs(its_jump)
     by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
@@ -298,17 +286,17 @@ def _compared(
     # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
     # of it is not explained.
     drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
-    drifts *= (weight >= ca.DM([COMPARED, PRIOR_TIME + LASTING])) * ca.vertcat(1.0, turn_told)
+    drifts *= (weight >= ca.DM([MEMORY, EARLY + LASTING])) * ca.vertcat(1.0, turn_told)
     both_used = ca.mmax(reasons) == CODE[USED]
     beyond = ca.fabs(its_lasting) - least
     off = (beyond > 0.0) * drifts
     unexplained = late * both_used * (beyond[HEADING] <= 0.0) * ca.fmax(beyond[AIRSPEED], 0.0)
     found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
     agrees = ca.fabs(now[ITS]) < RETURN * ca.fmin(most, least)
-    agrees[AIRSPEED] *= known.stood < STUCK_FOR
+    agrees[AIRSPEED] *= known.stood < WINDOW
     agrees *= ca.logic_or(reasons == CODE[JUMPED], reasons == CODE[OFF])
     agreed = ca.if_else(agrees, known.agreed + elapsed, 0.0)
-    again = agreed > AGREED_FOR
+    again = agreed > CHANGE_TIME
     free = both_used * ca.vertcat(1.0, found[AIRSPEED] == CODE[USED])
     reasons = ca.if_else(free, found, reasons)
     # Not some gust while a sensor is off for long.
@@ -376,7 +364,7 @@ def compass_checked(
     turned = ca.remainder(nose - known.nose, math.tau)
     apart = (elapsed > 0.0) * ca.remainder(turned - elapsed * turn, math.tau)
     unusual, most = apart - elapsed * known.rate, SNAP_RATE * elapsed
-    jumps = ca.logic_or(ca.fabs(unusual) > SNAP + most + SNAP_DEVIATIONS * deviation, stuck)
+    jumps = ca.logic_or(ca.fabs(unusual) > NOSE_JUMP + most + NOISE_MULTIPLE * deviation, stuck)
     known_for = ca.fmin(known.known_for + elapsed, GYRO_TIME)
     # A jump is no bias. What is averaged is kept in bounds, and not what it differs by: else a
     # first noisy compass would stay in the average for minutes.
@@ -386,7 +374,7 @@ def compass_checked(
     # It is the compass that leaps if it has turned by more than the gyros say. What is subtracted
     # is so until it has leapt back, whoever may judge by then.
     leaps = by_nose * jumps * (ca.fabs(turned) > elapsed * ca.fabs(turn))
-    alone = ca.logic_or(ca.logic_or(alone, leaps), ca.fabs(known.snapped) > RETURN * SNAP)
+    alone = ca.logic_or(ca.logic_or(alone, leaps), ca.fabs(known.snapped) > RETURN * NOSE_JUMP)
     jump = alone * jumps * strayed
     snapped = alone * ca.remainder(known.snapped + jump, math.tau)
     after = SimpleNamespace(

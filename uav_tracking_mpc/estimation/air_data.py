@@ -35,26 +35,26 @@ from uav_tracking_mpc.estimation.flight_path import (
     FlightPath,
 )
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError
-from uav_tracking_mpc.estimation.motion_check import STALE
+from uav_tracking_mpc.estimation.motion_check import CONTRARY_TIME, RETURN, STALE, WINDOW
 from uav_tracking_mpc.estimation.sensor_health import CODE, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
-# s, rad, m, rad/s: a reading that repeats is stuck once it has done so for longer than STUCK_TIME,
-# while the aircraft turned, or climbed, by more than these; a bank, while the turn rate changed by
-# more than STUCK_ROLL. A sensor that is read less often than states are sent repeats itself, too.
-STUCK_TIME, STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.7, 0.04, 3.0, 0.1
+# rad, m, rad/s: a reading that repeats for longer than WINDOW is stuck if the aircraft has
+# turned, or climbed, by more than these; a bank, if the turn rate has changed by more than
+# STUCK_ROLL. A sensor that is read less often than states are sent repeats itself, too.
+STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.04, 3.0, 0.1
 # -, factors on the least and the greatest airspeed of the aircraft, beyond which an airspeed is
 # impossible (knots taken for m/s read 1.9 times as much), and on the estimated one, between which
 # it is used again
 POSSIBLE = 0.75, 1.25
-# rad, rad, s: a heading counts from North to East if the aircraft flies for so long beside its
-# heading by more than BESIDE, and beside the mirrored one by less than ALONG
-BESIDE, ALONG, MIRRORED_FOR = 1.0, 0.5, 3.0
-# m/s^2, s: turn rates are in another unit once they would have asked for so much across the path,
-# which no airframe bears, for so long
-UNBEARABLE, UNBEARABLE_FOR = 60.0, 0.5
+# rad: a heading counts from North to East if the aircraft flies for CONTRARY_TIME beside its
+# heading by more than this, and beside the mirrored one by less than RETURN of it
+BESIDE = 1.0
+# m/s^2: turn rates are in another unit once they would have asked for so much across the path,
+# which no airframe bears, for as long as a reading that is stuck stays the same
+UNBEARABLE = 60.0
 
 
 class AirData:
@@ -205,7 +205,7 @@ class AirData:
         repeats = place == self._place or not measurement.placed
         self._stays = repeats * (self._stays + elapsed)
         waits = STALE if self._stays > STALE else math.inf
-        seldom = waits if repeats else STUCK_TIME
+        seldom = waits if repeats else WINDOW
         told = measurement.axis is Axis.BODY and measurement.bank is not None
         rolled, self._turn_rate = measurement.turn_rate - self._turn_rate, measurement.turn_rate
         climbed = place[2] - self._place[2] - elapsed * velocity[2]
@@ -213,8 +213,8 @@ class AirData:
         by_pitch = elapsed * self._path.climb.missed
         most = STUCK_CLIMB + NOISE_MULTIPLE * height_noise
         checks = (
-            (measurement.heading, turned, STUCK_TURN, STUCK_TIME),
-            (measurement.bank, told * rolled, STUCK_ROLL, STUCK_TIME),
+            (measurement.heading, turned, STUCK_TURN, WINDOW),
+            (measurement.bank, told * rolled, STUCK_ROLL, WINDOW),
             (velocity, turned, STUCK_TURN, seldom),
             (velocity[2], 0.0 if math.isnan(climbed) else climbed, most, seldom),
             (velocity[2], by_pitch, STUCK_CLIMB, seldom),
@@ -230,18 +230,18 @@ class AirData:
         course = math.atan2(velocity[1], velocity[0])
         beside = abs(math.remainder(course - measurement.heading, math.tau))
         mirrored = abs(math.remainder(course + measurement.heading - 0.5 * math.pi, math.tau))
-        looks = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and beside > BESIDE and mirrored < ALONG
         across = abs(measurement.turn_rate) * math.hypot(*velocity[:2])
         if not self.turn_failed:
             self._unbearable = (across > UNBEARABLE) * (self._unbearable + elapsed)
         stuck = self._repeated[0][-1] or self._repeated[2][-1]
-        sound = not (stuck or self._velocity_failed)
+        sound = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and not (stuck or self._velocity_failed)
+        looks = beside > BESIDE and mirrored < RETURN * BESIDE
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
 
     @property
     def turn_failed(self) -> bool:
         """Whether the rates of turn and path angle are in another unit, and left out."""
-        return self._unbearable >= UNBEARABLE_FOR
+        return self._unbearable >= WINDOW
 
     @property
     def _failed(self) -> bool:
@@ -279,7 +279,7 @@ class AirData:
         unknown = self.missing and not self.awaited and not wind_known
         return {
             "the heading looks as if it counted from North to East: it must count from East to "
-            "North (ENU)": self._mirrored > MIRRORED_FOR,
+            "North (ENU)": self._mirrored > CONTRARY_TIME,
             "the turn rate is more than any airframe bears: it must be in rad/s, and is left out": (
                 self.turn_failed
             ),

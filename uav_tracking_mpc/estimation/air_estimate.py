@@ -40,7 +40,7 @@ from uav_tracking_mpc.estimation import (
     rate_aided,
     wind_filter,
 )
-from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, NOSE_JUMP
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.sensor_health import (
     CODE,
@@ -74,7 +74,6 @@ LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothin
 # known of the wind there; of a heading no more than what a linearised turn bears.
 BLIND, WITHOUT_AIRSPEED = 100.0, 1e4
 TURN_SLIP = 0.15  # -, by which an aircraft that slips may turn quicker than its bank tells
-LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 MAIN, NO_AIRSPEED = range(2)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
 # Of their covariance
@@ -181,7 +180,7 @@ class AirEstimate:
         )
         scales = gust_scales(position[2] - ground, 0.0)
         elapsed = -1.0 if self._time is None else measurement.stamp - self._time
-        begins = not 0.0 <= elapsed <= LONGEST_GAP
+        begins = not 0.0 <= elapsed <= noise_meter.LONGEST_GAP
         if begins and not placed:
             raise ValueError("no position is known")
         # In the order of SEEN: to write a part by its name takes five times as long.
@@ -335,7 +334,7 @@ def _step() -> ca.Function:
     # A turn that is quicker than its bank: the airspeed reads too much, or the aircraft slips. That
     # is known before the wind is, which then tells which of them, so alpha becomes uncertain.
     excess = (1.0 - TURN_SLIP) * airspeed * (1.0 - state[ALPHA]) - seen.by_turn
-    compared = air.weight[air_check.AIRSPEED] >= air_check.COMPARED
+    compared = air.weight[air_check.AIRSPEED] >= noise_meter.MEMORY
     unused = ca.logic_or(no_airspeed_used, ca.logic_or(out[0], compared))
     excess = ca.if_else(unused, 0.0, ca.fmax(excess, 0.0))
     unexplained = ca.fmax(air.unexplained, excess)
@@ -413,7 +412,7 @@ def _step() -> ca.Function:
         states=ca.vertcat(
             air.reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])
         ),
-        snapped=ca.fabs(snapped) > motion_check.RETURN * air_check.SNAP,
+        snapped=ca.fabs(snapped) > motion_check.RETURN * NOSE_JUMP,
         changed=changed,
         without=blind.state[W],
         known=ca.mmax(blind.triangle[LEVEL_WIND]) <= air_check.WIND_KNOWN**2,

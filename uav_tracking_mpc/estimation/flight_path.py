@@ -68,6 +68,7 @@ import math
 
 from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+from uav_tracking_mpc.estimation.motion_check import LEAST_CLIMB, WINDOW
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
 
@@ -77,7 +78,7 @@ SHARE_LIMIT = 0.4  # -, of the surplus that grows with the turn
 STEEP_TURN = 0.1  # rad/s, rho: from there on a turn tells more of the share than of the rest
 SLIP_FREQUENCY = 1.0  # rad/s, omega_s: how quickly a slip follows the turn
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
-NOSE_JUMP = 0.2  # rad, from one attitude to the next, beyond the turn: the compass has jumped
+NOSE_JUMP = 0.1  # rad, from one attitude to the next, beyond the turn: the compass has jumped
 TRIAL = 20.0  # s, over which the turns by bank and by nose are compared
 SLOW_TURN = 0.03  # rad/s, up to which a turn tells little of the airspeed
 ROLLING = 3.0  # s, over which both are averaged before: the nose does not follow a quick roll
@@ -85,15 +86,15 @@ CONTRADICTION = 0.01  # rad^2/s^2, beyond which the bank is left out; a slip mak
 STEEPEST = 1.5  # rad, bank or pitch beyond which no turn is coordinated
 QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
 STEADY_CLIMB = 2.0  # rad/s, omega_h
-HEIGHT_JUMP = 4.0  # m, from one height to the next, besides noise and climb: the height has jumped
+HEIGHT_JUMP = 4.0  # m, besides noise, from where the climb leads: the height has jumped
 CLIMB_LAG = 0.3  # s, tau, with which a climb follows the nose
-# m/s, m, s: a measured climb is wrong if it differs by more than WRONG_CLIMB from that of pitch and
+# m/s, m: a measured climb is wrong if it differs by more than WRONG_CLIMB from that of pitch and
 # height (severe gusts make 4 m/s), and the height by more than WRONG_HEIGHT from where it leads,
-# within WRONG_TIME
-WRONG_CLIMB, WRONG_HEIGHT, WRONG_TIME = 6.0, 1.0, 1.0
-# s, -, m^2 s: it is right again once the heights of RIGHT_TIME show this share of it, and the sum
-# of the squares of what was climbed exceeds RIGHT_SUM
-RIGHT_TIME, RIGHT_SHARE, RIGHT_SUM = 10.0, 0.7, 1.0
+# within WINDOW
+WRONG_CLIMB, WRONG_HEIGHT = 6.0, 1.0
+# s, -: it is right again once the heights of RIGHT_TIME show this share of it, and the sum of the
+# squares of what was climbed exceeds LEAST_CLIMB
+RIGHT_TIME, RIGHT_SHARE = 10.0, 0.7
 CLIMB_NOISE = 2.0  # m/s, standard deviation of that climb
 SLOW_CLIMB = 0.5  # rad/s, where an autopilot holds the altitude, and the rest is turbulence
 
@@ -182,8 +183,7 @@ class Climb:
     def __init__(self) -> None:
         self._besides = Followed()  # h [m] less what the pitch makes of it, and c [m/s]
         self.nose_climb = self._by_pitch = 0.0  # m/s, and m of it
-        # m, height before, by how much it was above the expected one, and one that jumped likewise
-        self._height, self._apart, self._odd = math.nan, 0.0, math.nan
+        self._height = math.nan  # m, before
         # m, flown lately by height, measured climb and pitch; m^2 s, of the first two
         self._risen = self._told = self._pitched = self._along = self._squares = 0.0
         self.missed, self.failed = 0.0, False
@@ -207,20 +207,13 @@ class Climb:
         tells, begins = rise != 0.0, math.isnan(rise) or step > LONGEST_GAP
         if begins:
             self.nose_climb, besides.rate = by_pitch, up - by_pitch
-            self._apart, self._odd = 0.0, math.nan
             besides.value = height - self._by_pitch if tells else carried
         elif tells:
-            # One that jumps, and the next one with it, is elsewhere and has not climbed.
-            apart, limit = height - self._by_pitch - carried, HEIGHT_JUMP + NOISE_MULTIPLE * noise
-            usual, again = abs(apart - self._apart) <= limit, abs(apart - self._odd) <= limit
-            tells = usual or again
-            if usual:
-                self._apart = apart
-                besides.see(moved, height - self._by_pitch, STEADY_CLIMB)
-            else:
-                besides.value = carried + again * (apart - self._apart)
-            self._odd = math.nan if tells else apart
-            rise *= usual
+            elsewhere = height - self._by_pitch
+            if abs(elsewhere - carried) <= HEIGHT_JUMP + NOISE_MULTIPLE * noise:
+                besides.see(moved, elsewhere, STEADY_CLIMB)
+            else:  # one that jumps has not climbed
+                besides.value, rise = elsewhere, 0.0
         else:
             besides.value = carried
         self._height = height if tells else self._height
@@ -234,7 +227,7 @@ class Climb:
 
         A rise of 0 is that of a height that repeats itself, and tells nothing.
         """
-        lately, kept = math.exp(-step / WRONG_TIME), math.exp(-step / RIGHT_TIME)
+        lately, kept = math.exp(-step / WINDOW), math.exp(-step / RIGHT_TIME)
         self._risen = lately * self._risen + rise
         self._told = lately * self._told + step * up
         self._pitched = lately * self._pitched + step * climb
@@ -244,7 +237,7 @@ class Climb:
         by_height = rise != 0.0 and off > max(least, abs(self._risen - self._pitched))
         if abs(self.missed) > WRONG_CLIMB and by_height and not self.failed:
             self.failed, self._along, self._squares = True, 0.0, 0.0
-        elif self._squares > RIGHT_SUM and self._along > RIGHT_SHARE * self._squares:
+        elif self._squares > LEAST_CLIMB and self._along > RIGHT_SHARE * self._squares:
             self.failed = False
 
 

@@ -38,7 +38,9 @@ RETURN = 0.5  # -, share of its limits that what was left out must keep to befor
 
 # Ground velocity
 ODD = 10.0  # m/s, beyond gusts: a ground velocity that differs by more from the expected is odd
-WINDOW = 1.0  # s, least length of a window, at whose end positions tell which velocity was flown
+# s, least length of a window, at whose end positions tell which velocity was flown; and for which a
+# reading that is stuck stays the same
+WINDOW = 1.0
 # m/s, s: positions contradict a velocity if the way flown differs from it by more than CONTRARY,
 # besides the noise of positions, for CONTRARY_TIME: a position that jumps and comes back takes two
 # windows

@@ -41,7 +41,7 @@ MEMORY = 40.0  # s, of the noise of an aircraft's sensors and of gusts
 PRIOR_TIME = 1.0  # s of samples that what is taken at first counts for
 EARLY = 3.0  # s, weight of the averages from which on what is measured counts, not what is told
 CLIPPED = 25.0  # -, mean squares that the square of a difference counts at most
-LONGEST_GAP = 1.0  # s between samples, beyond which what is followed by them begins anew
+LONGEST_GAP = 2.0  # s between samples, beyond which what is followed by them begins anew
 
 
 class NoiseMeters:

@@ -29,6 +29,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.estimation.motion_check import DEVIATIONS
 from uav_tracking_mpc.estimation.noise_meter import NoiseMeters
 from uav_tracking_mpc.symbolic.layout import Layout
 
@@ -42,7 +43,6 @@ ANGLES = 2  # of the quantities, the first ones, wrap
 BIAS_WALK = 1e-3  # of the bias, variance per s as a share of that of the rate's noise
 # rad^2/s^3 of a rate that nobody tells, and so is exactly 0: it is what the bias is then for
 UNTOLD_WALK = np.array([0.001, 0.001, 0.0])
-DEVIATIONS = 3.0  # -, standard deviations of an innovation, that tells of the bias
 METERS = NoiseMeters((1, 1, 1), LEAST_NOISE.tolist(), (0.0, 0.0, 0.0))
 RATE_AIDED = Layout(
     value=3, bias=3, rate=3, integral=3, xx=3, xb=3, bb=np.square(RATE_BIAS), meters=METERS.layout

@@ -40,6 +40,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.noise_meter import LONGEST_GAP
+from uav_tracking_mpc.estimation.state_gate import SPEED_LIMIT
 
 CHANNELS = ("turn rate", "path-angle rate", "acceleration")
 LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0])  # s
@@ -53,9 +54,8 @@ _LACKING = np.array([np.ones(len(LAGS)), np.ones(len(LAGS)), 1.0 / _DECAY])  # -
 # The sum of lag and dead time, or the lag alone, is trusted below the first deviation and until the
 # second: what it is off by adds to the phase. The gain likewise.
 DELAY_TRUST = (0.05, 0.1)  # s
-GAIN_TRUST = (0.03, 0.06)  # -
-# Deviation of the gain beyond which there may be no response at all, only noise that looks alike.
-RESPONSE_TRUST = 0.1
+# -; beyond the second one there may be no response at all, only noise that looks alike
+GAIN_TRUST = (0.03, 0.1)
 LOOSER = 3.0  # -, times both: what a channel that swings is flown by is known to be wrong
 MEMORY = 60.0  # s, T_m
 WASHOUT = 10.0  # s, time constant of the high pass: shorter than an orbit, longer than any lag
@@ -64,13 +64,12 @@ GAIN_LIMITS = 0.5, 1.6  # -, of a gain that is believed
 # a response that is lost in it is none.
 NOISE_FLOOR = 0.003, 0.003, 0.05
 CORRELATION_LIMIT = 0.98  # -, of successive residuals
-QUICKEST, FASTEST = 10.0, 1000.0  # rad/s, m/s: beyond them a sensor is broken
+QUICKEST = 10.0  # rad/s, beyond which a sensor is broken
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
 # -, -, s: near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it
 # takes to lag away afterwards: share of the limit that is measured, share that is asked for, time.
 SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
-# s, s, -: what the parabolas are off by between the points of the grid, of lag, sum and gain
-LAG_ROUNDING, DELAY_ROUNDING, GAIN_ROUNDING = 0.015, 0.008, 0.005
+ROUNDING = 0.01  # s or -, what the parabolas are off by between the points of the grid
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
 REFINED_EVERY = 8  # measurements that are taken in together, and then one channel is refined
 
@@ -118,7 +117,7 @@ class ChannelResponse(NamedTuple):
             swings: Whether the channel has swung lately.
         """
         looser = LOOSER if swings else 1.0
-        seen = self.gain_deviation < looser * RESPONSE_TRUST
+        seen = self.gain_deviation < looser * GAIN_TRUST[True]
         return self._replace(
             trusted=seen and self.delay_deviation < looser * DELAY_TRUST[before.trusted],
             lag_trusted=seen and self.lag_deviation < DELAY_TRUST[before.lag_trusted],
@@ -280,7 +279,10 @@ class ResponseEstimator:
         elapsed = math.inf if self._time is None else time - self._time
         if 0.0 <= elapsed < SHORTEST_PERIOD:
             return
-        if max(abs(turn_rate), abs(path_angle_rate)) > QUICKEST or abs(airspeed or 0.0) > FASTEST:
+        if (
+            max(abs(turn_rate), abs(path_angle_rate)) > QUICKEST
+            or abs(airspeed or 0.0) > SPEED_LIMIT
+        ):
             self.interrupt()
             return
         if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
@@ -362,7 +364,7 @@ class ResponseEstimator:
         alone = (1.0 + correlation) / (1.0 - correlation)
         variance = max(least, 0.0) / max(weight - 4.0, 1.0) * alone + NOISE_FLOOR[axis] ** 2
         along = math.sqrt(2.0 * variance / max(bend, 1e-300))
-        lag_deviation = math.hypot(along, LAG_ROUNDING)
+        lag_deviation = math.hypot(along, ROUNDING)
         of_dead_time = math.sqrt(2.0 * variance / max(float(bends[best]), 1e-300))
         of_gain = math.sqrt(variance / max(float(power[nearest, best]), 1e-300))
         return ChannelResponse(
@@ -371,8 +373,8 @@ class ResponseEstimator:
             gain=gain,
             lag_deviation=lag_deviation,
             dead_time_deviation=math.hypot(lag_deviation, of_dead_time),
-            delay_deviation=math.hypot(delay_slope * along, of_dead_time, DELAY_ROUNDING),
-            gain_deviation=math.hypot(gain_slope * along, of_gain, GAIN_ROUNDING),
+            delay_deviation=math.hypot(delay_slope * along, of_dead_time, ROUNDING),
+            gain_deviation=math.hypot(gain_slope * along, of_gain, ROUNDING),
         )
 
 

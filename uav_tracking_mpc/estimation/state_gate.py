@@ -67,7 +67,7 @@ class StateGate:
         self.timeout, self.checked = timeout, checked
         self.newest: Measurement | None = None
         self._stood = np.zeros(3)  # m, flown by the ground velocity while the position repeated
-        self._arrived = self._moved = math.nan  # when it last moved: [s] of the stamps
+        self._moved = math.nan  # when it last moved: [s] of the stamps
         self._ages: deque[float] = deque(maxlen=AGES)  # at their arrival in [s]
         self.lost = False
         self._outliers: list[Measurement] = []  # in a row, each consistent with the one before
@@ -100,19 +100,17 @@ class StateGate:
                 f"{why}"
             )
 
-    def judge(
-        self, measurement: Measurement, arrival: float = math.nan, now: float = math.nan
-    ) -> Verdict:
+    def judge(self, measurement: Measurement, now: float = math.nan) -> Verdict:
         """What to do with a measurement.
 
         Args:
             measurement: Stamp and position count, and the noise of the position where it is known.
-            arrival: When it arrived in [s], by a steady clock; not a number where that is unknown.
-            now: The same by the clock of the stamps, which may be that of a simulation.
+            now: When it arrived in [s], by the clock of the stamps, which may be that of a
+                simulation; not a number where that is unknown.
         """
-        newest, waited = self.newest, arrival - self._arrived
+        newest = self.newest
         if newest is None:
-            return self._believe(measurement, arrival, now, Verdict.USE)
+            return self._believe(measurement, now, Verdict.USE)
         step, jump = _change(newest, measurement, self._stood)
         if -self.timeout <= step <= 0.0:
             return Verdict.DROP
@@ -122,15 +120,12 @@ class StateGate:
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
         moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
         moved = moved and not (self.checked and _goes_on(newest, measurement, step))
-        # A gap that a clock has seen as well is one of the messages, not of the stamps. Simulated
-        # time may pass many times as fast as that of the steady clock.
+        # A gap that the clock has seen as well is one of the messages, not of the stamps.
         ordinary = step > 0.0 and (
-            step <= self.timeout
-            or abs(step - waited) <= self.timeout
-            or self._ahead(measurement.stamp, now) <= self.timeout
+            step <= self.timeout or self._ahead(measurement.stamp, now) <= self.timeout
         )
         if ordinary and not moved:
-            return self._believe(measurement, arrival, now, Verdict.USE)
+            return self._believe(measurement, now, Verdict.USE)
         if step < 0.0:
             self.reason = f"the stamp went back by {-step:.3f} s"
         elif moved:
@@ -145,7 +140,7 @@ class StateGate:
             return Verdict.DOUBT
         # After a gap the flight goes on; time gone back and a vehicle elsewhere are a new beginning
         verdict = Verdict.RESTART if step < 0.0 or moved else Verdict.USE
-        return self._believe(measurement, arrival, now, verdict)
+        return self._believe(measurement, now, verdict)
 
     def hangs(self, measurement: Measurement) -> bool:
         """Whether states have only repeated themselves for some time, though they moved before.
@@ -160,9 +155,7 @@ class StateGate:
         """By how much a stamp is ahead of the clock and what states were late at least in [s]."""
         return stamp - now + min(self._ages, default=math.nan)
 
-    def _believe(
-        self, measurement: Measurement, arrival: float, now: float, verdict: Verdict
-    ) -> Verdict:
+    def _believe(self, measurement: Measurement, now: float, verdict: Verdict) -> Verdict:
         before, self.newest, self._outliers = self.newest, measurement, []
         if before is not None and not _repeats(before, measurement):
             self._moved = measurement.stamp
@@ -170,7 +163,7 @@ class StateGate:
             self._stood += (measurement.stamp - before.stamp) * measurement.ground_velocity
         else:
             self._stood[:] = 0.0
-        self._arrived, self.lost = arrival, False
+        self.lost = False
         self._ages.append(now - measurement.stamp)
         return verdict
 

@@ -53,18 +53,16 @@ VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
 
 # How noisy the positions are
-WINDOW = 240  # second differences that count
-NEWEST = 24  # of them, which notice that the noise has changed
+WINDOW = 96  # second differences that count: noise of a camera turns with where it looks
+NEWEST = 24  # of them, which notice that the noise has grown
 CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but once in a thousand
-COMPARED = 96  # of them, by which axes are compared: noise of a camera turns with where it looks
-KNOWN = 3  # second differences after which the noise is known, with what is told
 RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
 QUANTILE = 0.4  # -, that is compared: with 20 % outliers half of the differences are wrong
 CHI_SQUARE = 1.8691684  # -, that quantile, of 3 degrees of freedom
 CHI_SQUARE_AXIS = 0.2749959  # -, the same of 1
-# -: greatest variance over the least, from which on axes have shares of their own (by chance once
-# in a thousand); and the least share, that of an axis without noise
-UNEVEN, SHARE_MIN = 4.0, 1e-6
+# -: greatest variance over the least, from which on axes have factors of their own (by chance once
+# in a thousand)
+UNEVEN = 4.0
 SCALE_MIN = 1e-12  # -, least factor on a variance that is believed, and 1 over the greatest
 
 
@@ -280,12 +278,11 @@ class MeasurementNoise:
     are rare and leave a quantile alone, and no filter that has lost the target misleads it.
 
     Where the axes differ much, as the height and the distance of many trackers do from the rest,
-    each has a share of s of its own, from the same quantile of its own squares. That takes more of
+    each has a factor of its own, from the same quantile of its own squares. That takes more of
     them.
 
-    Many of them make the factor accurate, few of them make it quick: the last few hundred count as
-    long as the newest agree with them, and the newest alone where they do not, for the noise has
-    changed.
+    Many of them make the factor accurate, few of them make it quick: the last hundred count,
+    and the newest alone where they show that the noise has grown.
 
     Attributes:
         scales: The factor of each axis, 1 before anything is known, shape (3,), [-].
@@ -298,8 +295,6 @@ class MeasurementNoise:
         )
         # -: second differences by what is told on each axis, the first one of the usual size
         self._differences = np.full((1, 3), math.sqrt(CHI_SQUARE / 3.0))
-        # -: variance of each axis over what is told, and the quantile of the sums that goes with it
-        self._shares, self._usual, self._count = np.ones(3), CHI_SQUARE, 0
         self._uneven = False
         self.scales, self.known = np.ones(3), False
 
@@ -324,31 +319,20 @@ class MeasurementNoise:
         recent.append((time, position, variances))
 
     def _add(self, difference: NDArray[np.float64]) -> None:
-        self._count += 1
         self._differences = np.vstack([self._differences, difference])[-WINDOW:]
-        if self._count % NEWEST == 0 and len(self._differences) >= COMPARED:
-            self._compare_axes()
-        squares = (self._differences**2 / self._shares).sum(axis=1)
-        level, recent = _quantile(squares), _quantile(squares[-NEWEST:])
-        agree = level <= CHANGED * recent <= CHANGED**2 * level
-        if len(squares) >= 2 * NEWEST and not agree:
-            self._differences, level = self._differences[-NEWEST:], recent
-        self.scales = np.clip(level / self._usual * self._shares, SCALE_MIN, 1.0 / SCALE_MIN)
-        self.known = len(squares) >= KNOWN
-
-    def _compare_axes(self) -> None:
-        """Noise goes up and down in turn, as no way of a target does."""
-        axes = self._differences[-COMPARED:].T
-        own = np.array([_quantile(axis**2) for axis in axes]) / CHI_SQUARE_AXIS
-        noisiest = axes[own.argmax()]
-        uneven = own.max() > (RETURN if self._uneven else 1.0) * UNEVEN * own.min()
-        uneven = uneven and noisiest[:-1] @ noisiest[1:] < 0.0
-        if uneven or self._uneven:
-            self._differences, self._shares, self._usual = axes.T, np.ones(3), CHI_SQUARE
-        if uneven:
-            self._shares = np.maximum(own, max(SHARE_MIN * own.max(), SCALE_MIN))
-            self._usual = _quantile((axes.T**2 / self._shares).sum(axis=1))
-        self._uneven = bool(uneven)
+        squares = self._differences**2
+        sums = squares.sum(axis=1)
+        level, recent = _quantile(sums), _quantile(sums[-NEWEST:])
+        scales = np.full(3, (recent if recent > CHANGED * level else level) / CHI_SQUARE)
+        if len(squares) == WINDOW:
+            own = np.array([_quantile(axis) for axis in squares.T]) / CHI_SQUARE_AXIS
+            noisiest = self._differences[:, own.argmax()]
+            differ = own.max() > (RETURN if self._uneven else 1.0) * UNEVEN * own.min()
+            # Noise goes up and down in turn, as no way of a target does.
+            self._uneven = bool(differ and noisiest[:-1] @ noisiest[1:] < 0.0)
+            scales = own if self._uneven else scales
+        self.scales = np.clip(scales, SCALE_MIN, 1.0 / SCALE_MIN)
+        self.known = len(squares) >= AGREEING  # with what is told
 
 
 def _quantile(values: NDArray[np.float64]) -> float:

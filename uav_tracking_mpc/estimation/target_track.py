@@ -74,13 +74,15 @@ from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.symbolic.layout import Layout
 from uav_tracking_mpc.symbolic.native_code import NativeFunction
 
-MANOEUVRE_TIME = 5.0  # s, tau: least prediction errors on circles, straight runs, stop and go
-# s without a position after which the velocity fades; of a target that has run straight on
-BRIDGE_TIME, STRAIGHT_TIME = 5.0, 30.0
+# s, tau: least prediction errors on circles, straight runs, stop and go; and without a position for
+# so long the velocity fades
+MANOEUVRE_TIME = 5.0
+STRAIGHT_TIME = 30.0  # s, the same of a target that has run straight on
 FADE_TIME = 10.0  # s, its time constant
 TERMS = 16  # of the series of exp(-x), x <= 1/2: exact to rounding
 TURN_RATE_MAX = 1.0  # rad/s
-SPEED_TIME = 2.0  # s, tau_v: vehicles change their speed for a few seconds
+# s, tau_v: vehicles change their speed for a few seconds, over which the turn rate is averaged, too
+SPEED_TIME = 2.0
 REWIND = 1.0  # s before the newest position for which a track tells where the target was
 STRAIGHT = 1e-7  # rad/s: a slower turn cannot be told from a straight line
 
@@ -100,7 +102,6 @@ OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
 SECOND = 4.0  # -, factor on the gate of a track's second position: its velocity is not known yet
 ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
 FORGOTTEN = 300.0  # s without a position after which nothing is left of a track
-TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 # Velocity [m/s] and its variances on each axis [m^2/s^2], shape (3,) each.
 Motion = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -148,7 +149,7 @@ def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.floa
     return transition, transition @ exponential[:3, 3:]
 
 
-def bridged(age: float, held: float = BRIDGE_TIME) -> tuple[float, float]:
+def bridged(age: float, held: float = MANOEUVRE_TIME) -> tuple[float, float]:
     """Time travelled at the velocity last known, and the share of it that is left.
 
     A target that is lost is taken to run on for a while and then to slow down, so that no
@@ -266,7 +267,7 @@ class TargetTrack:
             age: Of the track in [s].
         """
         straight = self.probabilities[QUIET] > RUNS_STRAIGHT
-        return bridged(age, STRAIGHT_TIME if straight else BRIDGE_TIME)
+        return bridged(age, STRAIGHT_TIME if straight else MANOEUVRE_TIME)
 
     def variance(self, order: int) -> float:
         """Variance of a derivative of the position, mean of the level axes, in SI units.
@@ -319,7 +320,7 @@ class TargetTrack:
         (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
         # A velocity within its own uncertainty has no direction to turn.
         square = max(vx * vx + vy * vy, 9.0 * self.variance(1))
-        share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
+        share = 1.0 - math.exp(-elapsed / SPEED_TIME)
         self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
         return True
 

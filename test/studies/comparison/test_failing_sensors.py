@@ -408,3 +408,23 @@ def test_positions_that_become_noisy_are_left_out_until_their_noise_is_known(mon
     log = flown_on_orbit("vehicle", "position_bias=[0.0,0.0,0.0]", end=60.0)
     assert {each.sensor for each in log.sensors} == {"position"}
     assert np.abs(log.error[log.time > BEGIN, 0]).max() < 2.5
+
+
+@LONG
+def test_a_receiver_that_comes_once_a_second_is_flown_by_in_gusts(monkeypatch):
+    """Its noisy positions and velocities repeat themselves in between, at 20 Hz."""
+    step, rng, fix = Controller.step, np.random.default_rng(3), {}
+
+    def seldom(self, seen, *rest):
+        if round(20.0 * seen.stamp) % 20 == 0:
+            place = seen.position + rng.normal(0.0, 0.5, 3)
+            fix.update(position=place, ground_velocity=seen.ground_velocity)
+        return step(self, dataclasses.replace(seen, **fix), *rest)
+
+    monkeypatch.setattr(Controller, "step", seldom)
+    gusts = "uav_simulator.gust_intensity=7.7", "uav_simulator.seed=4"
+    log = flown("jsbsim", "velocity_gain=1.0", *NEAR, *gusts, begin=0.0, end=70.0)
+    late = log.time > 20.0
+    assert np.sqrt(np.mean(log.error[late, 0] ** 2)) < 0.44
+    assert np.sqrt(np.mean((log.vehicle[late, 2] - 120.0) ** 2)) < 0.9
+    assert {each.sensor for each in log.sensors} <= {"position"}
