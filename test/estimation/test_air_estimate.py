@@ -162,6 +162,22 @@ def test_a_bias_of_the_ground_velocity_shows_beside_the_positions():
     np.testing.assert_allclose(filter_.state.wind + filter_.state.gust, [3.0, -5.0, 0.2], atol=0.05)
 
 
+def test_a_ground_velocity_that_wanders_is_told_by_the_positions():
+    """As PX4's does in vibration: 0.25 m/s to and fro in 12 s is no wind."""
+    filter_, position, wind, wrong = AirFilter(), np.zeros(3), np.array([3.0, -5.0, 0.0]), []
+    for k in range(round(100.0 / STEP)):
+        psi, phase = TURN * k * STEP, 2.0 * np.pi * k * STEP / 12.0
+        air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
+        wander = 0.25 * np.array([np.sin(phase), np.cos(phase), 0.0])
+        filter_.see(k * STEP, position, air + wind + wander, air)
+        wrong.append(filter_.state.wind + filter_.state.gust - wind)
+        chord, middle = STEP * np.sinc(0.5 * TURN * STEP / np.pi), psi + 0.5 * TURN * STEP
+        position = position + chord * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
+        position = position + STEP * wind
+    lengths = np.linalg.norm(wrong[round(40.0 / STEP) :], axis=1)
+    assert np.sqrt(np.mean(lengths**2)) < 0.15
+
+
 @pytest.mark.parametrize(("share", "heading"), [(0.09, 0.0), (0.0, 0.087), (-0.05, -0.05)])
 def test_biases_of_airspeed_and_heading_show_while_the_aircraft_turns(share, heading):
     filter_, _ = flown(200.0, share=share, heading=heading)
