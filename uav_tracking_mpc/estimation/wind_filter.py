@@ -57,7 +57,7 @@ BIAS = 0.02  # rad, of beta; and -, of alpha
 # How much what is constant may wander
 # An autopilot's filter whose accelerometers shake errs by 0.25 m/s of ground velocity for some
 # seconds; its positions show that.
-WIND_WALK, GROUND_WALK = 0.03, 0.05  # m/s per root of s
+WIND_WALK, GROUND_WALK = 0.03, 0.03  # m/s per root of s
 BIAS_WALK = 2e-4  # rad per root of s, of beta; of alpha likewise
 BIAS_TIME = 3.0  # s, after which alpha is as uncertain as what nothing else explains
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
