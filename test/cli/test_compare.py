@@ -131,8 +131,15 @@ def test_a_law_that_fails_is_not_what_its_figures_are_of(tmp_path, uav_tracking)
     path = tmp_path / "circler.py"
     path.write_text(LAW.replace("return np.array(", "raise RuntimeError("))
     words = ("--scenario", "still", "--laws", "l1", "--law", f"{path}:Circler")
-    told = uav_tracking.told("compare", *words, "--set", "mission.duration=5")
-    assert "commands that count were not by circler, but by a fallback mode" in told
+    told = uav_tracking.told("compare", *words, "--set", "mission.duration=5", "--output", tmp_path)
+    assert "still: circler: the law answered none of " in told
+    assert "the law circler failed: RuntimeError" in told
+    (row,) = (line for line in told.splitlines() if line.split()[:1] == ["circler"])
+    assert set(row.split()[1:]) == {"\u2013"}
+    figures = json.loads((tmp_path / "compare.json").read_text())["scenarios"]["still"]["circler"]
+    assert set(figures) == KEYS
+    assert figures.pop("off_plan") > 0
+    assert set(figures.values()) == {None}
 
 
 @pytest.mark.usefixtures("in_this_process")

@@ -47,6 +47,37 @@ def test_another_law_flies_in_the_place_of_the_controller(tmp_path, uav_tracking
     assert uav_tracking.json("simulate", *few, "--law", "l1")["solver"]["name"] == "none"
 
 
+FAILING = """
+from uav_tracking_mpc import GuidanceLaw
+
+class Failing(GuidanceLaw):
+    name = "failing"
+
+    def inputs(self, situation):
+        return {answer}
+"""
+
+
+@pytest.mark.usefixtures("without_report")
+@pytest.mark.parametrize(
+    ("answer", "reason"),
+    [("1 / 0", "ZeroDivisionError: division by zero"), ("[float('nan')] * 3", "answered [nan,")],
+)
+def test_a_law_that_never_answers_is_no_good_flight(answer, reason, tmp_path, uav_tracking):
+    path = tmp_path / "failing.py"
+    path.write_text(FAILING.format(answer=answer))
+    words = ("simulate", "--config", "small_uav", "--duration", 5, "--law", f"{path}:Failing")
+    ended = uav_tracking(*words, "--output", tmp_path)
+    assert ended.code == 1
+    assert reason in ended.err.splitlines()[-1]
+    assert ended.out.startswith("the law answered none of ")
+    assert reason in ended.out
+    assert "settled" not in ended.out
+    ended = uav_tracking(*words, "--output", tmp_path, "--json")
+    assert ended.code == 1
+    assert reason in json.loads(ended.out)["not_by_law"]
+
+
 @pytest.mark.parametrize("command", ["simulate", "fly"])
 @pytest.mark.parametrize(
     "told", [["--law", "nofile.py:X"], ["--set", "nmpc_controller.law=nofile.py:X"]]

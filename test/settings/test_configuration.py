@@ -129,6 +129,10 @@ def test_yaml_is_a_ros_parameter_file_that_loads_again(tmp_path):
         ("/**/nmpc_controller: {ros__parameters: {range: far}}", "'nmpc_controller': .*far"),
         ("a: !!python/object/apply:os.system ['true']", "cannot be read"),
         ("a: 2020-13-45", "cannot be read"),
+        (
+            "a: 1\nb: 2\na: 3",
+            "bad.yaml cannot be read: 'a' is given twice, in line 1 and in line 3",
+        ),
         ("nmpc_controller: {ros__parameters: {1: 2}}", "1 is no name of a parameter"),
     ],
 )

@@ -45,7 +45,7 @@ def test_defaults_are_table_1():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"range": 40.0}, "range is 40.0 m"),
+        ({"range": 40.0}, "^parameters 'range', 'altitude', 'airspeed': orbit range is 40.0 m"),
         ({"yaw_rate_max": 0.02}, "'yaw_rate_max' is 0.02, must exceed 0.0282843"),
         ({"airspeed": 200.0}, "steady turn rate of an orbit of radius 141.421 m at 200 m/s"),
         ({"airspeed": 20.5}, "airspeed of 20.5 m/s is not between 0 and 20 m/s"),

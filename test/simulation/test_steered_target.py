@@ -21,7 +21,8 @@ import pytest
 
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import TargetParameters
-from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.motions import TargetMotion, motion_of
+from uav_tracking_mpc.simulation.plants import SimulationError
 from uav_tracking_mpc.simulation.steered_target import GOING_SPEED, SteeredTarget, TargetSensor
 
 LINE = TargetParameters(motion="line", position=(10.0, -20.0, 3.0), speed=5.0, heading=0.7)
@@ -36,6 +37,42 @@ def test_left_alone_it_is_its_motion(kind, time):
     target, motion = SteeredTarget(parameters), motion_of(parameters)
     np.testing.assert_array_equal(target.position(time), motion.position(time))
     np.testing.assert_array_equal(target.velocity(time), motion.velocity(time))
+
+
+class Stopping(TargetMotion):
+    """Answers what it is told to answer once it has moved for 20 s."""
+
+    name = "stopping"
+
+    def position(self, time):
+        return np.zeros(3) if time < 20.0 else self.later()
+
+    def velocity(self, time):
+        return np.zeros(3)
+
+    def later(self):
+        raise RuntimeError("boom")
+
+
+class Vanishing(Stopping):
+    name = "vanishing"
+
+    def later(self):
+        return np.full(3, np.nan)
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        (Stopping, "at 20.5 s the target motion '.*:Stopping' failed: RuntimeError: boom"),
+        (Vanishing, "at 20.5 s the position of the target motion '.*:Vanishing' is .*nan"),
+    ],
+)
+def test_a_motion_that_fails_on_its_way_is_named(motion, words):
+    target = SteeredTarget(replace(LINE, motion=f"{__file__}:{motion.__name__}"))
+    np.testing.assert_array_equal(target.position(19.5), np.zeros(3))
+    with pytest.raises(SimulationError, match=words):
+        target.position(20.5)
 
 
 @pytest.mark.parametrize("after", KINDS)

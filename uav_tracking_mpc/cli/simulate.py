@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import sys
 
 from uav_tracking_mpc.cli.options import (
     add_excite_argument,
@@ -36,7 +37,8 @@ HELP = "the same mission without ROS, deterministic"
 DESCRIPTION = (
     "Fly a mission without ROS: plant and controller in turn, the same every time. With --view it "
     "is flown at the configuration's mission.speed and shown on a page, where it is steered, until "
-    "Ctrl-C, whatever its duration; the report is of all that was flown."
+    "Ctrl-C, whatever its duration; the report is of all that was flown. Exit code 1: a guidance "
+    "law was to fly, and answered no command."
 )
 RECORD = "record.csv"
 
@@ -65,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments: As parsed.
 
     Returns:
-        Exit code.
+        Exit code; 1 where the guidance law answered no command.
     """
     from rich.console import Console
     from rich.progress import Progress
@@ -105,4 +107,6 @@ def run(arguments: argparse.Namespace) -> int:
 
         save_animation(log, arguments.output / "flight.gif")
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
-    return 0
+    if log.not_by_law:
+        print(log.not_by_law, file=sys.stderr)
+    return 1 if log.not_by_law else 0

@@ -65,6 +65,7 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         - ``latency_us``: only where the flight measured it
         - ``commands``: what the command link saw
         - ``sensors``: see :func:`sensor_figures`
+        - ``not_by_law``: only where the guidance law answered no command: that, and why, in words
         - ``unusable_messages``: only where there were some
         - ``link``: only with a real autopilot; ``latency_ms`` is the median
     """
@@ -101,6 +102,8 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         "commands": asdict(log.commands),
         "sensors": sensor_figures(log),
     }
+    if log.not_by_law:
+        numbers["not_by_law"] = log.not_by_law
     if log.unusable:
         numbers["unusable_messages"] = log.unusable
     if log.latency is not None:
@@ -315,8 +318,10 @@ def in_short(numbers: dict[str, Any], output: Path) -> list[str]:
             ("altitude", steady["altitude_rms_m"]),
         )
     )
-    words = [f"settled: {times}", f"last third: {rms}", *_failures(numbers)]
-    return [*words, f"report: {output / 'report.html'}"]
+    held = [f"settled: {times}", f"last third: {rms}"]
+    if words := numbers.get("not_by_law"):
+        held = [words]  # what flew was not what is asked about
+    return [*held, *_failures(numbers), f"report: {output / 'report.html'}"]
 
 
 def settled(numbers: dict[str, Any]) -> bool:
@@ -342,12 +347,14 @@ def unsettled(numbers: dict[str, Any]) -> str:
 
 
 def sound(numbers: dict[str, Any]) -> bool:
-    """Whether a flight settled and its commands came in time, but for one in a hundred.
+    """Whether a flight settled, by what was asked for, and all but 1 % of its commands in time.
 
     Args:
         numbers: What :func:`uav_tracking_mpc.report.metrics.metrics` returned.
     """
     commands = numbers["commands"]
+    if "not_by_law" in numbers:
+        return False
     return settled(numbers) and commands["late"] <= LATE_SHARE * commands["sent"]
 
 
@@ -364,7 +371,9 @@ def verdict(numbers: dict[str, Any]) -> str:
     times, steady, final = numbers["settling_s"], numbers["steady_state"], numbers["final"]
     if final["range_error_m"] is None:
         return "No usable record: the last sample of the flight is missing or not finite."
-    if settled(numbers):
+    if words := numbers.get("not_by_law"):
+        text = f"{words[0].upper()}{words[1:]}."
+    elif settled(numbers):
         text = (
             f"Settled: altitude within {_band(numbers, 'altitude')} from "
             f"{quantity(times['altitude'], 's')} on, "

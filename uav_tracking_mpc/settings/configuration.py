@@ -41,11 +41,32 @@ Sections = dict[str, dict[str, Any]]
 
 
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """Numbers as YAML 1.2 and people write them: 1e3 is one, 1:30 is none.
+    """Numbers as YAML 1.2 and people write them: 1e3 is one, 1:30 is none. A key stands once.
 
     By libyaml where PyYAML was built with it, which is faster. ``ros2 launch`` writes the arrays of
     a launch file as tuples of Python, which ROS reads as any sequence.
     """
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """A mapping; PyYAML would take the last of several values without a word.
+
+        Args:
+            node: Of the mapping.
+            deep: As of PyYAML.
+
+        Raises:
+            yaml.YAMLError: A key stands there twice.
+        """
+        lines = dict[tuple[str, str], int]()
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            name, line = (key.tag, key.value), key.start_mark.line + 1
+            if name in lines:
+                words = f"'{key.value}' is given twice, in line {lines[name]} and in line {line}"
+                raise yaml.YAMLError(words)
+            lines[name] = line
+        return dict(super().construct_mapping(node, deep))
 
 
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")

@@ -177,15 +177,16 @@ class PaperParameters(ProblemParameters):
     def __post_init__(self) -> None:
         """Check that u_ss is inside U."""
         super().__post_init__()
+        orbit = self.orbit  # one that is no circle is not the model's fault
         try:
-            turn_rate = abs(self.steady_inputs[0])
+            turn_rate = abs(steady_inputs(self.model, orbit)[0])
         except Exception as error:  # of a user's model
             raise ParameterError(f"parameter 'model' is {self.model!r}: {error}") from error
         if turn_rate >= self.yaw_rate_max:
             raise ParameterError(
                 f"parameter 'yaw_rate_max' is {self.yaw_rate_max:.6g}, must exceed "
                 f"{turn_rate:.6g} rad/s, the steady turn rate of an orbit of radius "
-                f"{self.orbit.radius:.6g} m at {self.airspeed:.6g} m/s"
+                f"{orbit.radius:.6g} m at {self.airspeed:.6g} m/s"
             )
 
     @property

@@ -29,7 +29,7 @@ from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import relative_state, steady_inputs, tracking_error
 from uav_tracking_mpc.dynamics.vehicle import velocity
-from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 
 SLOWEST = 1e-6  # m/s, tolerance: a slower velocity has no direction
 
@@ -195,6 +195,19 @@ class FlightLog:
     softened: float = 1.0
     sensors: tuple[SensorNews, ...] = ()
     unusable: int = 0
+
+    @property
+    def not_by_law(self) -> str:
+        """That the guidance law answered none of the commands, and why, in words.
+
+        Empty where it answered one, where none is flown, and where that is not recorded.
+        """
+        tracking, nominal = self.tracking, self.nominal
+        if tracking is None or tracking.law == PREDICTIVE or nominal is None or nominal.any():
+            return ""
+        reasons = [each.reason for each in self.modes if each.mode is not FallbackMode.SILENCE]
+        why = f": {reasons[0]}" if reasons else ""
+        return f"the law answered none of {len(nominal)} commands{why}"
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:

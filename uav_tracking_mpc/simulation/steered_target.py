@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.parameters.specification import refuse_fixed
 from uav_tracking_mpc.settings.simulator import MEASURED, TargetParameters
 from uav_tracking_mpc.simulation.motions import TargetMotion, motion_of
+from uav_tracking_mpc.simulation.plants import SimulationError
 
 GOING_SPEED = 5.0  # m/s, to where it is sent, of a target whose motion has no speed
 STATIONARY = "stationary"
@@ -127,22 +128,45 @@ class SteeredTarget:
 
         Args:
             time: Since the target's start in [s]; before the last change it is where that was.
+
+        Raises:
+            SimulationError: The motion fails, or does not give three finite numbers.
         """
         time = max(time, self._changed)
         if self._approach and time < self._began:
             return self._approach.start + self._approach.velocity * (time - self._changed)
-        return self._motion.position(time - self._began)
+        return self._asked("position", time)
 
     def velocity(self, time: float) -> NDArray[np.float64]:
         """True velocity in ``map``, shape (3,), in [m/s].
 
         Args:
             time: Since the target's start in [s]; before the last change it is that of then.
+
+        Raises:
+            SimulationError: The motion fails, or does not give three finite numbers.
         """
         time = max(time, self._changed)
         if self._approach and time < self._began:
             return self._approach.velocity.copy()
-        return self._motion.velocity(time - self._began)
+        return self._asked("velocity", time)
+
+    def _asked(self, what: str, time: float) -> NDArray[np.float64]:
+        """Position or velocity of the motion, which may be anybody's."""
+        name = self.parameters.motion
+        try:
+            value = getattr(self._motion, what)(time - self._began)
+        except Exception as error:  # whatever it raises
+            why = f"{type(error).__name__}: {error}"
+            raise SimulationError(
+                f"at {time:g} s the target motion {name!r} failed: {why}"
+            ) from error
+        if np.shape(value) != (3,) or not np.isfinite(value).all():
+            raise SimulationError(
+                f"at {time:g} s the {what} of the target motion {name!r} is {value}, "
+                "must be three finite numbers"
+            )
+        return np.asarray(value)
 
     def _begin(self, time: float, parameters: TargetParameters, elsewhere: bool) -> None:
         """Take up a motion; ``elsewhere`` if it is to begin at its ``position``."""

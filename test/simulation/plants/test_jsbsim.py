@@ -75,6 +75,16 @@ def test_turn_is_coordinated_and_keeps_height_and_airspeed():
     np.testing.assert_allclose(seen["lift"] * np.cos(seen["bank"]), GRAVITY, rtol=0.02)
 
 
+def test_a_turn_in_a_climb_has_the_bank_of_a_level_one():
+    """Both parts of the lift grow with cos(chi), which the turn rate takes out again."""
+    plant = JSBSimPlant(LIMITS)
+    flown(plant, (0.3, 0.12, 0.0), 2.0)
+    seen = flown(plant, (0.3, 0.0, 0.0), 4.0)
+    assert seen["path_angle"][-1] == pytest.approx(0.24, abs=0.02)
+    wanted = -0.3 * seen["airspeed"][-1] / GRAVITY
+    assert math.tan(plant.control.bank_demand) == pytest.approx(wanted, rel=2e-3)
+
+
 def test_climb_and_airspeed_follow_their_rates():
     plant = JSBSimPlant(LIMITS)
     assert 0.06 < flown(plant, (0.0, 0.1, 0.0), 1.0)["path_angle"][-1] < 0.1

@@ -29,6 +29,7 @@ from uav_tracking_mpc.studies.comparison.results import (
     comparison_table,
     misses,
     news_of_sensors,
+    not_its_own,
     others_table,
     own_table,
 )
@@ -76,6 +77,15 @@ def test_every_answer_of_a_law_that_flies_is_on_its_plan():
     assert log.nominal.all()
     assert len(log.nominal) == len(log.command_time)
     assert mistold().measures["l1"].off_plan == 0
+
+
+def test_commands_that_were_not_by_the_law_are_told():
+    flown = mistold()
+    log, late = flown.logs["l1"], flown.logs["l1"].nominal.copy()
+    assert not_its_own([flown]) == []
+    late[-3:] = False
+    (line,) = not_its_own([replace(flown, flights={"l1": [replace(log, nominal=late)]})])
+    assert line.startswith("lag_2: 3 commands that count were not by l1")
 
 
 def test_what_is_no_number_is_null_and_solve_times_are_those_of_the_controller():

@@ -24,6 +24,7 @@ import pytest
 
 from uav_tracking_mpc.margins.loop_margins import UNSTABLE, loop_margins
 from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.report.figure_style import png
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
@@ -157,6 +158,35 @@ def modelled(settled=True):
         return [FlownLoop(loop, settled) for _ in sizes]
 
     return flown_loops
+
+
+def bent(straight_below):
+    """A loop that answers impulses above a size in another way, by half as much again for each."""
+
+    def flown_loops(configuration, frequency, sizes, workers, show):
+        (one,) = modelled()(configuration, frequency, sizes[:1], workers, show)
+        shares = [1.0 if size < straight_below else 1.0 + size for size in sizes]
+        return [FlownLoop(share * one.loop, True) for share in shares]
+
+    return flown_loops
+
+
+def test_impulses_are_made_smaller_until_the_answer_is_linear(configuration, near, monkeypatch):
+    monkeypatch.setattr(module, "flown_loops", bent(straight_below=0.6))
+    by_model = near.loop(near.orbit_in(np.zeros(3)))
+    frequency = by_model.frequencies(100)
+    flown, difference = module.linear_loop(configuration, frequency, 1, False)
+    np.testing.assert_array_equal(flown.loop, by_model.response(frequency))
+    assert difference == 0.0
+
+
+def test_a_loop_that_is_not_linear_however_small_the_impulse_is_refused(
+    configuration, near, monkeypatch
+):
+    monkeypatch.setattr(module, "flown_loops", bent(straight_below=0.2))
+    frequency = near.loop(near.orbit_in(np.zeros(3))).frequencies(100)
+    with pytest.raises(ParameterError, match="impulses of 0.25 and 0.125 of the usual size"):
+        module.linear_loop(configuration, frequency, 1, False)
 
 
 @pytest.fixture(scope="module")

@@ -161,8 +161,7 @@ class FlightControl:
         )
 
     def _aileron(self, turn: float, flown: Flown, weaker: float, step: float) -> float:
-        level = flown.airspeed * math.cos(flown.path_angle)
-        self.bank_demand = _clip(bank_from_turn_rate(turn, level), self._limits.bank_max)
+        self.bank_demand = _clip(bank_from_turn_rate(turn, flown.airspeed), self._limits.bank_max)
         wanted = _clip((self.bank_demand - flown.bank) / BANK_TIME, ROLL_RATE_MAX)
         # p = phi' - psi' sin(theta), psi' = g tan(phi) / v
         wanted -= GRAVITY / flown.airspeed * math.tan(flown.bank) * math.sin(flown.pitch)

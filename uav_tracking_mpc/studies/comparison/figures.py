@@ -58,6 +58,7 @@ def scenario_figure(scenario: Scenario) -> Figure:
         scenario: Flights of the same length.
     """
     colour = colours(scenario.logs)
+    labels = {law: f"not by {law}" if law in scenario.not_flown else law for law in scenario.logs}
     with drawing(*SIZE) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25))
         top_view = figure.add_subplot(grid[:, 0])
@@ -71,7 +72,9 @@ def scenario_figure(scenario: Scenario) -> Figure:
         )
         figure.suptitle(scenario.about[0], x=0.07, ha="left", fontsize=11)
         figure.legend(
-            handles=[Line2D([], [], color=colour[law], label=law) for law in scenario.logs],
+            handles=[
+                Line2D([], [], color=colour[law], label=words) for law, words in labels.items()
+            ],
             loc="upper right",
             bbox_to_anchor=(0.99, 0.995),
             ncols=len(scenario.logs),
@@ -187,6 +190,8 @@ def overview_figure(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> Fi
             axes.grid(axis="y", color=LIGHT_GREY, lw=0.5)
             for index, each in enumerate(scenarios):
                 for law, flight in each.measures.items():
+                    if law in each.not_flown:
+                        continue
                     _draw_mark(axes, index, getattr(flight, name), least, marks[law])
                 bound = each.bounds.get(name)
                 if bound is not None and math.isfinite(bound):

@@ -166,6 +166,15 @@ class Scenario:
         }
 
     @property
+    def not_flown(self) -> dict[str, str]:
+        """Why, in words, of each law that answered no command: what flew was not the law."""
+        words = {
+            law: next(filter(None, (log.not_by_law for log in logs)), "")
+            for law, logs in self.flights.items()
+        }
+        return {law: why for law, why in words.items() if why}
+
+    @property
     def about(self) -> tuple[str, str]:
         """What people call it, and what happens in it."""
         about = self.configuration.scenario
@@ -266,7 +275,8 @@ def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, 
 
     Returns:
         - ``config``
-        - ``scenarios.<scenario>.<law>`` or ``mismatches.<mismatch>.<law>``: as :class:`Measures`
+        - ``scenarios.<scenario>.<law>`` or ``mismatches.<mismatch>.<law>``: as :class:`Measures`;
+          all but ``off_plan`` null where the law answered no command
         - ``targets.<scenario>``: ``range_rms_m``, ``settling_s`` and what was ``missed``, where
           targets are set and the predictive controller flew
         - ``asked.<mismatch>``: at most ``range_rms_m``, ``range_mean_m``, ``bank_rate_rms_dps``,
@@ -283,8 +293,7 @@ def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, 
     numbers = {
         "config": scenarios[0].configuration.name,
         kind.key: {
-            each.name: {law: dataclasses.asdict(flight) for law, flight in each.measures.items()}
-            for each in scenarios
+            each.name: {law: _figures(each, law) for law in each.measures} for each in scenarios
         },
         kind.asked: {
             each.name: {**each.bounds, "missed": each.missed} for each in flown if each.bounds
@@ -292,6 +301,14 @@ def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, 
         "solves": {each.name: _solves(each.logs[PREDICTIVE]) for each in flown},
     }
     return dict(plain(numbers))
+
+
+def _figures(scenario: Scenario, law: str) -> dict[str, Any]:
+    """The measures of a law; those of another one, which flew in its place, are not its own."""
+    figures = dataclasses.asdict(scenario.measures[law])
+    if law in scenario.not_flown:
+        return {**dict.fromkeys(figures), "off_plan": figures["off_plan"]}
+    return figures
 
 
 def _solves(log: FlightLog) -> dict[str, Any]:
@@ -314,11 +331,11 @@ def comparison_table(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> T
         [
             each.name if index == 0 else "",
             law,
-            *(_cell(flight, name, form) for _, name, form in kind.columns),
+            *(_cell(each, law, name, form) for _, name, form in kind.columns),
             *(_verdict(each) if law == PREDICTIVE else ("", ""))[: len(last)],
         ]
         for each in scenarios
-        for index, (law, flight) in enumerate(each.measures.items())
+        for index, law in enumerate(each.measures)
     ]
     caption = f"{kind.caption} {kind.demand}" if last else kind.caption
     return Table([kind.flown, "law", *headings, *last], rows, headings, caption=caption)
@@ -352,14 +369,16 @@ def others_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
         if law != PREDICTIVE
     }
     rows = [
-        [each.name, *(_cell(each.measures[law], *column) for law, *column in shown.values())]
+        [each.name, *(_cell(each, law, *column) for law, *column in shown.values())]
         for each in scenarios
     ]
     return Table([kind.flown, *shown], rows, numeric=[*shown])
 
 
-def _cell(flight: Measures, name: str, form: str) -> str:
-    value = getattr(flight, name)
+def _cell(scenario: Scenario, law: str, name: str, form: str) -> str:
+    if law in scenario.not_flown:
+        return "\u2013"
+    value = getattr(scenario.measures[law], name)
     return MISSING.get(name, "") if value is None else f"{value:{form}}"
 
 
@@ -409,9 +428,11 @@ def not_its_own(scenarios: Sequence[Scenario]) -> list[str]:
         scenarios: What was flown.
     """
     return [
-        f"{scenario.name}: {flight.off_plan} commands that count were not by {law}, "
+        f"{scenario.name}: {law}: {scenario.not_flown[law]}"
+        if law in scenario.not_flown
+        else f"{scenario.name}: {flight.off_plan} commands that count were not by {law}, "
         "but by a fallback mode"
         for scenario in scenarios
         for law, flight in scenario.measures.items()
-        if law != PREDICTIVE and flight.off_plan
+        if law in scenario.not_flown or (law != PREDICTIVE and flight.off_plan)
     ]

@@ -54,6 +54,7 @@ from uav_tracking_mpc.margins.loop_margins import (
 )
 from uav_tracking_mpc.margins.margin_check import shortfalls
 from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.report.figure_style import (
     BLACK,
     BLUE,
@@ -180,7 +181,10 @@ def _commands(configuration: Configuration, disturbance: Disturbance) -> NDArray
 
 FREQUENCIES = 600  # of a response
 AZIMUTHS = 24  # at which the orbit is frozen
-SIZES = (1.0, 0.5)  # -, of the impulses: a loop that is linear answers both alike
+# -, of the impulses, each half of the one before: a loop that is linear answers both alike. The
+# estimate of the response may take an impulse for a gain, which is not linear.
+SIZES = (1.0, 0.5, 0.25, 0.125)
+ALIKE = 0.1  # -, of the sensitivity, by which two answers that are alike may differ
 
 
 @dataclass(frozen=True)
@@ -191,7 +195,7 @@ class MarginStudy:
         configuration: Whose they are, with its wind.
         flown: In still air, of the flights, with all estimators.
         flown_ratios: Return ratio of each channel, shape (n, 3), over the frequencies.
-        nonlinearity: Greatest difference between the sensitivities that whole and half impulses
+        nonlinearity: Greatest difference between the sensitivities that impulses and half of them
             give [-].
         model: In still air, of the model.
         model_ratios: As above, shape (n, 3).
@@ -244,8 +248,8 @@ def margin_study(
         show: Progress bar on stderr.
 
     Raises:
-        ParameterError: There is no such law, the parameters cannot be flown, or the controller has
-            no answer on the orbit.
+        ParameterError: There is no such law, the parameters cannot be flown, the controller has no
+            answer on the orbit, or what it answers there is not linear.
     """
     simulator = configuration.simulator
     plant = Response(
@@ -258,20 +262,52 @@ def margin_study(
     still = near.orbit_in(np.zeros(3))
     by_model = near.loop(still, plant)
     frequency = by_model.frequencies(FREQUENCIES)
-    whole, half = flown_loops(configuration, frequency, SIZES, workers, show)
+    flown, nonlinearity = linear_loop(configuration, frequency, workers, show)
     count = AZIMUTHS if np.any(drift) else 0
     azimuths = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
-    change = sensitivities(whole.loop) - sensitivities(half.loop)
     return MarginStudy(
         configuration=configuration,
-        flown=loop_margins(frequency, whole.loop) if whole.settled else UNSTABLE,
-        flown_ratios=return_ratios(whole.loop),
-        nonlinearity=float(np.max(np.abs(change))),
+        flown=loop_margins(frequency, flown.loop) if flown.settled else UNSTABLE,
+        flown_ratios=return_ratios(flown.loop),
+        nonlinearity=nonlinearity,
         model=near.margins(still, plant),
         model_ratios=return_ratios(by_model.response(frequency)),
         drift=drift,
         azimuths=azimuths,
         in_wind=[near.margins(near.orbit_in(drift, phi), plant) for phi in azimuths.tolist()],
+    )
+
+
+def linear_loop(
+    configuration: Configuration, frequency: NDArray[np.float64], workers: int | None, show: bool
+) -> tuple[FlownLoop, float]:
+    """The loop by the largest impulses whose halves show the same loop.
+
+    Args:
+        configuration: Of the flights.
+        frequency: Shape (n,), in [rad/s].
+        workers: Processes; all cores by default.
+        show: Progress bar on stderr.
+
+    Returns:
+        The loop, and the greatest difference between the sensitivities by impulses and by their
+        halves [-].
+
+    Raises:
+        ParameterError: The smallest impulses do not show the same loop either.
+    """
+    whole, half = flown_loops(configuration, frequency, SIZES[:2], workers, show)
+    for smaller in (*SIZES[2:], None):
+        change = sensitivities(whole.loop) - sensitivities(half.loop)
+        difference = float(np.max(np.abs(change)))
+        # Where neither answer dies away the loop is not stable, and there is nothing to compare.
+        if difference <= ALIKE or not (whole.settled or half.settled):
+            return whole, difference
+        if smaller is not None:
+            whole, (half,) = half, flown_loops(configuration, frequency, (smaller,), workers, show)
+    raise ParameterError(
+        f"the loop has no margins: impulses of {SIZES[-2]:g} and {SIZES[-1]:g} of the usual size "
+        f"show sensitivities that differ by {difference:.2g}, must be at most {ALIKE:g}"
     )
 
 
