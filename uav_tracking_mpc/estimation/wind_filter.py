@@ -54,10 +54,10 @@ from uav_tracking_mpc.symbolic.layout import Layout
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
 BIAS = 0.02  # rad, of beta; and -, of alpha
-# How much what is constant may wander
-# An autopilot's filter whose accelerometers shake errs by 0.25 m/s of ground velocity for some
-# seconds; its positions show that.
-WIND_WALK, GROUND_WALK = 0.03, 0.03  # m/s per root of s
+# How much what is constant may wander. An autopilot's filter whose accelerometers shake errs by
+# 0.25 m/s of level ground velocity for some seconds, which its positions show. A climb is not
+# trusted less for that: it carries on a height that is stuck.
+WIND_WALK, GROUND_WALK = 0.03, (0.03, 0.03, 0.01)  # m/s per root of s
 BIAS_WALK = 2e-4  # rad per root of s, of beta; of alpha likewise
 BIAS_TIME = 3.0  # s, after which alpha is as uncertain as what nothing else explains
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
@@ -163,7 +163,7 @@ def predicted(
     spread = ca.SX.zeros(SIZE)
     # A random walk of intensity q is a short piece of a gust of variance q T / 2.
     spread[G] = 0.5 * ca.vertcat(walks[0], walks[0], walks[1]) * times * (1.0 - decay**2)
-    spread[W], spread[B] = WIND_WALK**2 * elapsed, GROUND_WALK**2 * elapsed
+    spread[W], spread[B] = WIND_WALK**2 * elapsed, np.square(GROUND_WALK) * elapsed
     spread[T] = TREND**2 * (1.0 - lasts**2)
     spread[ALPHA:] = BIAS_WALK**2 * elapsed
     spread[ALPHA] += (unexplained / ca.fmax(ca.norm_2(steady), 1.0)) ** 2 * elapsed / BIAS_TIME
