@@ -101,3 +101,15 @@ def test_of_all_that_waited_while_nobody_read_the_heartbeats_alone_count(listene
         kinds.append([[message.get_type() for message in each] for each in heard])
     fresh = [["HEARTBEAT", "ATTITUDE"]] * 3
     assert kinds == [fresh, fresh, [["HEARTBEAT"] * 3], fresh]
+
+
+def test_a_fix_that_is_lost_and_found_is_told_and_one_that_never_was_is_not(listener):
+    told = []
+    for fix in (0, 1, 3, 4, 1, 0, 3):
+        raw = mavlink.MAVLink_gps_raw_int_message(0, fix, 0, 0, 0, 0, 0, 0, 0, 0)
+        listener.connection.batches = [[raw]]
+        listener.receive(0.0)
+        told.append([(each.level, each.words) for each in listener._events.take()])
+    lost = "the satellite receiver has lost its fix: positions may be dead reckoning"
+    again = "the satellite receiver has a fix again"
+    assert told == [[], [], [], [], [(Level.WARNING, lost)], [], [(Level.INFO, again)]]

@@ -165,6 +165,7 @@ class Listener:
             **dict.fromkeys(quick_messages, QUICK_RATE),
         }
         self._asked_at, self._told_lost, self._told_wire = 0, False, False
+        self._fixed: bool | None = None  # None before the first fix
         self._heartbeat_at = -math.inf
         self._looked_at = math.inf
         self._counted, self._counted_at = Counter[str](), -math.inf
@@ -337,11 +338,22 @@ class Listener:
             level = Level.WARNING if message.severity <= SEVERE else Level.INFO
             self._events.add(level, f"autopilot: {message.text}")
         elif of_this_boot:
+            if kind == "GPS_RAW_INT":
+                self._see_fix(message.fix_type >= mavlink.GPS_FIX_TYPE_3D_FIX)
             measurement = self.telemetry.see(message, arrival)
             if measurement is not None and arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)
                 self.on_measurement(measurement, arrival)
         self.on_message(message, arrival)
+
+    def _see_fix(self, fixed: bool) -> None:
+        """Say when satellites no longer tell the place: whoever flies without them tells none."""
+        if self._fixed and not fixed:
+            words = "the satellite receiver has lost its fix: positions may be dead reckoning"
+            self._events.add(Level.WARNING, words)
+        elif fixed and self._fixed is False:
+            self._events.add(Level.INFO, "the satellite receiver has a fix again")
+        self._fixed = fixed if self._fixed is not None else fixed or None
 
     def _restarted(self) -> None:
         self.telemetry.forget()
