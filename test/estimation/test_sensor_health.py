@@ -21,6 +21,7 @@ from uav_tracking_mpc.estimation.sensor_health import (
     HEADING,
     JUMPED,
     OFF,
+    POSITION,
     SILENT,
     USED,
     VELOCITY,
@@ -51,3 +52,12 @@ def test_what_stands_in_depends_on_whether_there_is_an_airspeed(airspeed, headin
     assert not list(health.news())
     health.states[HEADING] = USED
     assert list(health.news()) == ["heading agrees with the others: it is used again"]
+
+
+def test_of_a_position_that_is_used_again_nobody_says_that_the_others_agree():
+    health = SensorHealth()
+    health.states[POSITION] = JUMPED
+    assert next(health.news()).startswith("position has jumped: the ground velocity")
+    health.states[POSITION] = USED
+    (words,) = health.news()
+    assert words == "position agrees with the others, or has stayed where it is: it is used again"

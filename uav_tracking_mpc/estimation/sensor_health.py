@@ -33,6 +33,8 @@ SAID = {
     JUMPED: "has jumped",
     OFF: "is off",
 }
+# Nothing but the ground velocity tells of positions: one that stays elsewhere is believed at last.
+STAYED = "agrees with the others, or has stayed where it is: it is used again"
 INSTEAD = {
     AIRSPEED: "ground velocity and wind stand in for it",
     HEADING: "ground velocity and wind stand in for it",
@@ -64,7 +66,8 @@ class SensorHealth:
                 self._told[sensor] = state
                 words = (WITHOUT_AIRSPEED if alone else INSTEAD)[sensor]
                 instead = "" if state == USED else f": {words}"
-                yield f"{sensor} {SAID[state]}{instead}"
+                said = STAYED if (sensor, state) == (POSITION, USED) else SAID[state]
+                yield f"{sensor} {said}{instead}"
 
     def values(self) -> dict[str, str]:
         """The states as diagnostics name them."""
