@@ -414,3 +414,11 @@ def test_commands_that_are_not_flown_count_for_nothing(constant):
     for k in range(4, 20):
         constant.step(measured(0.1 * k), 0.1 * k)
     assert turning(2.0) < -0.02
+
+
+@pytest.mark.parametrize(("ground", "accelerates"), [(10.0, True), (40.0, False)])
+def test_an_aircraft_that_two_sensors_find_too_fast_is_not_accelerated(ground, accelerates):
+    controller = Controller(FLIGHT, Constant(np.array([-0.08, 0.0, 1.0])), stopwatch=lambda: 0.0)
+    controller.see_target(0.0, STILL)
+    state = replace(measured(0.0), ground_velocity=np.array([0.0, -ground, 0.0]), airspeed=40.0)
+    assert (controller.step(state, 0.0).inputs[:, 2].max() > 0.0) == accelerates

@@ -238,7 +238,7 @@ class Excitation:
 # s, time constant of the offset that a change leaves. Changes with every command make it a lag in
 # the loop, which must stay below the delay margin that is asked for by default.
 FADE_TIME = 0.25
-TURN = 0  # index of u_psi among the inputs
+TURN, ACCELERATION = 0, 2  # indices of u_psi and u_v among the inputs
 
 
 class CommandShaper:
@@ -267,6 +267,7 @@ class CommandShaper:
         """
         self._envelope = parameters.envelope
         self._lower, self._upper = parameters.input_lower, parameters.input_upper
+        self._fastest = float(self._upper[ACCELERATION])  # m/s^2
         self._changed = True
         self.excitation.change(parameters)
 
@@ -292,6 +293,7 @@ class CommandShaper:
         mode: FallbackMode,
         surplus: float = 0.0,
         present: Situation | None = None,
+        too_fast: bool = False,
     ) -> NDArray[np.float64]:
         """Inputs to be sent.
 
@@ -304,6 +306,7 @@ class CommandShaper:
             surplus: What the aircraft turns quicker than its bank says, in [rad/s]: one that turns
                 slower is not banked beyond the limit for it.
             present: What the aircraft flies; None where that is not known.
+            too_fast: Whether it must not accelerate.
 
         Returns:
             Finite inputs inside their limits, shape (n, 3).
@@ -312,6 +315,7 @@ class CommandShaper:
             most = self._envelope.turn_rate_max(airspeed)
             self._upper[TURN] = max(min(most, most + surplus), 0.0)
             self._lower[TURN] = min(max(-most, surplus - most), 0.0)
+        self._upper[ACCELERATION] = min(self._fastest, 0.0) if too_fast else self._fastest
         inside = self._clipped(inputs)
         other = mode is not self._mode and not (mode.planned and self._mode.planned)
         self._offset *= math.exp(-max(0.0, time - self._time) / FADE_TIME)

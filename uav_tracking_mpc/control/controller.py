@@ -492,15 +492,16 @@ class Controller:
         late = min(math.ceil(until / step), len(inputs)) - 1
         if late:
             inputs = np.vstack([*[inputs[:1]] * late, inputs[: len(inputs) - late]])
-        inputs, surplus = inputs / self.response.flown.gains, self.navigator.air.surplus
-        inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode, surplus, now)
+        inputs, air = inputs / self.response.flown.gains, self.navigator.air
+        seen = airspeed, mode, air.surplus, now, air.too_fast
+        inputs = self._shaper.shape(stamp, inputs, step, *seen)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, now)
         flown = None
         if now is not None:  # the drift is the wind less the target's velocity
             ends = self._plan.orbit if mode.planned else None
             speed = max(0.0, now.airspeed)  # in this order 0 for no number
             flown = orbit_about(
-                now.target, self.navigator.wind - now.drift, self.orbit, ends, speed, surplus
+                now.target, self.navigator.wind - now.drift, self.orbit, ends, speed, air.surplus
             )
         return Command(stamp, inputs, step, mode, reason, self.orbit, plan, now, flown)
 

@@ -80,6 +80,8 @@ class AirData:
         holds_altitude: Whether an autopilot does, so that quick changes are not commanded. One
             without a good airspeed does not: it dives, or climbs, by a wrong one.
         impossible: Whether the airspeed is left out because the aircraft cannot fly at it.
+        too_fast: Whether airspeed and ground velocity both read more than the greatest airspeed.
+            Two sensors say so then, whatever the estimate makes of them.
     """
 
     def __init__(self, timeout: float, found: SimpleNamespace) -> None:
@@ -95,7 +97,7 @@ class AirData:
     def begin_anew(self) -> None:
         """Forget the aircraft, as one that is elsewhere; what was measured of the air counts on."""
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
-        self.missing = self.awaited = self.impossible = False
+        self.missing = self.awaited = self.impossible = self.too_fast = False
         self._path = FlightPath()
         # Of each reading that must change as the aircraft does: what it is, for how long it has
         # been that [s], how the aircraft has changed meanwhile, whether it is stuck.
@@ -147,6 +149,7 @@ class AirData:
         # Airspeed by ground velocity and wind, in [m/s]
         expected = math.dist((east, north, up), self._found.without.tolist())
         self.impossible = self._is_impossible(airspeed, expected, speed)
+        self.too_fast = airspeed is not None and min(airspeed, speed) > self.limits[1]
         airspeed = None if self.impossible else airspeed
         self.missing = airspeed is None
         self._first = min(self._first, stamp) if self.missing else -math.inf
