@@ -205,6 +205,14 @@ def test_a_position_that_jumps_while_all_else_goes_on_is_no_other_place(flying):
     assert "starting anew" not in told
 
 
+def test_after_a_gap_a_position_that_jumps_is_another_place(flying):
+    """Velocity and attitude that are as before tell nothing then."""
+    begin = 2.0 * FLIGHT.state_timeout
+    for k in range(4):
+        flying.step(measured(begin + k * TICK, (2000.0, 0.0, 120.0)), begin + k * TICK)
+    assert any("starting anew" in event.words for event in flying.events.take())
+
+
 def test_the_airspeed_of_an_aircraft_that_is_elsewhere_is_still_measured(seeing):
     """It comes by itself, after its state; it was said that nobody measured it."""
     for k in range(12):

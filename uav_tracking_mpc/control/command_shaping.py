@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.limits import Motion
 from uav_tracking_mpc.limits.airspeed import Airspeed
@@ -238,7 +239,7 @@ class Excitation:
 # s, time constant of the offset that a change leaves. Changes with every command make it a lag in
 # the loop, which must stay below the delay margin that is asked for by default.
 FADE_TIME = 0.25
-TURN, ACCELERATION = 0, 2  # indices of u_psi and u_v among the inputs
+TURN = 0  # index of u_psi among the inputs
 
 
 class CommandShaper:

@@ -119,7 +119,8 @@ class StateGate:
             return Verdict.DROP
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
         moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
-        moved = moved and not (self.checked and _goes_on(newest, measurement, step))
+        if self.checked and 0.0 < step <= self.timeout and _goes_on(newest, measurement, step):
+            moved = False
         # A gap that the clock has seen as well is one of the messages, not of the stamps.
         ordinary = step > 0.0 and (
             step <= self.timeout or self._ahead(measurement.stamp, now) <= self.timeout

@@ -347,13 +347,14 @@ class Listener:
         self.on_message(message, arrival)
 
     def _see_fix(self, fixed: bool) -> None:
-        """Say when satellites no longer tell the place: whoever flies without them tells none."""
+        """Say when the receiver loses its fix and has one again; not before it had the first."""
         if self._fixed and not fixed:
             words = "the satellite receiver has lost its fix: positions may be dead reckoning"
             self._events.add(Level.WARNING, words)
         elif fixed and self._fixed is False:
             self._events.add(Level.INFO, "the satellite receiver has a fix again")
-        self._fixed = fixed if self._fixed is not None else fixed or None
+        if fixed or self._fixed:
+            self._fixed = fixed
 
     def _restarted(self) -> None:
         self.telemetry.forget()
