@@ -374,7 +374,7 @@ class Controller:
     def _believe(
         self, measurement: Measurement, now: float
     ) -> tuple[Measurement, NDArray[np.float64]] | None:
-        """See :meth:`AirData.see_state`; None if the measurement is not to be used."""
+        """See :meth:`Navigator.see_state`; None if the measurement is not to be used."""
         before, verdict = self.state_time, self._gate.judge(measurement, now)
         reason = f"vehicle state: {self._gate.reason}"
         if verdict is Verdict.DOUBT:
@@ -388,7 +388,7 @@ class Controller:
             self._forget()
         if verdict not in (Verdict.USE, Verdict.RESTART):
             return None
-        measurement, vehicle = self.navigator.air.see_state(measurement)
+        measurement, vehicle = self.navigator.see_state(measurement)
         known, gusts = self.navigator.airspeed_known, self.navigator.gusts
         self.response.see(measurement, vehicle, known, gusts)
         return measurement, vehicle

@@ -52,6 +52,9 @@ POSSIBLE = 0.75, 1.25
 # rad: a heading counts from North to East if the aircraft flies for CONTRARY_TIME beside its
 # heading by more than this, and beside the mirrored one by less than RETURN of it
 BESIDE = 1.0
+# m, rad: z is positive down once the height has fallen while the nose, of which some are its angle
+# of attack, has climbed by more than DIVED, far below the target
+DIVED, NOSE_UP = 20.0, 0.1
 # m/s^2: turn rates are in another unit once they would have asked for so much across the path,
 # which no airframe bears, for as long as a reading that is stuck stays the same
 UNBEARABLE = 60.0
@@ -82,6 +85,8 @@ class AirData:
         impossible: Whether the airspeed is left out because the aircraft cannot fly at it.
         too_fast: Whether airspeed and ground velocity both read more than the greatest airspeed.
             Two sensors say so then, whatever the estimate makes of them.
+        far_below: Whether an aircraft that flies the commands seems to be far below its target.
+        upward: Signs of the height and of the climb as they are measured, -1 where they count down.
     """
 
     def __init__(self, timeout: float, found: SimpleNamespace) -> None:
@@ -92,6 +97,7 @@ class AirData:
     def reset(self) -> None:
         """Forget the aircraft and the airspeed."""
         self._stamp, self._airspeed = -math.inf, math.nan
+        self.upward, self.far_below = (1.0, 1.0), False
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -108,6 +114,7 @@ class AirData:
         self._first = math.inf  # stamp of the first measurement; -inf after an airspeed
         self.nose: tuple[float, float] | None = None
         self.by_turn, self._mirrored, self._unbearable = math.inf, 0.0, 0.0
+        self._climbs = 0.0, 0.0, 0.0  # m, far below the target: by nose, height and climb
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -134,6 +141,13 @@ class AirData:
             measurement: Its own airspeed counts first, then the one that came by itself.
         """
         airspeed, stamp = measurement.airspeed, measurement.stamp
+        if self.upward != (1.0, 1.0):
+            height, climb = self.upward
+            measurement = replace(
+                measurement,
+                position=measurement.position * [1.0, 1.0, height],
+                ground_velocity=measurement.ground_velocity * [1.0, 1.0, climb],
+            )
         height_noise = max(measurement.noise.position[2], float(self._found.position_noise[0]))
         if stamp != self._latest:
             self._compare(measurement, min(stamp - self._latest, self.timeout), height_noise)
@@ -228,6 +242,7 @@ class AirData:
             stood, changed = same * (stood + elapsed), same * (changed + change)
             stuck = same and (stuck or (stood > longest and abs(changed) > limit))
             self._repeated[index] = reading, stood, changed, stuck
+        self._see_height(place[2] - self._place[2], elapsed, velocity, measurement.path_angle)
         self._place = place
         # A heading that counts from North to East is the mirrored one.
         course = math.atan2(velocity[1], velocity[0])
@@ -240,6 +255,19 @@ class AirData:
         sound = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and not (stuck or self._velocity_failed)
         looks = beside > BESIDE and mirrored < RETURN * BESIDE
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
+
+    def _see_height(self, rise: float, elapsed: float, velocity: list[float], pitch: float) -> None:
+        """Whether z is positive down: it falls while the aircraft, far below its target, climbs."""
+        if not self.far_below or math.isnan(rise):
+            self._climbs = 0.0, 0.0, 0.0
+        elif pitch > NOSE_UP:
+            by_nose = elapsed * math.hypot(*velocity) * math.sin(pitch - NOSE_UP)
+            nose, risen, climbed = self._climbs
+            nose, risen, climbed = nose + by_nose, risen + rise, climbed + elapsed * velocity[2]
+            self._climbs = nose, risen, climbed
+            if nose > DIVED and risen < -RETURN * nose:
+                height, climb = self.upward
+                self.upward = -height, math.copysign(climb, climb * climbed)
 
     @property
     def turn_failed(self) -> bool:
@@ -283,6 +311,9 @@ class AirData:
         return {
             "the heading looks as if it counted from North to East: it must count from East to "
             "North (ENU)": self._mirrored > CONTRARY_TIME,
+            "the height falls as the aircraft climbs: z is taken as positive down": (
+                self.upward[0] < 0.0
+            ),
             "the turn rate is more than any airframe bears: it must be in rad/s, and is left out": (
                 self.turn_failed
             ),

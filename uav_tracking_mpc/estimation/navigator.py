@@ -235,6 +235,18 @@ class Navigator:
             *self.air_estimate.health.news(),
         ]
 
+    def see_state(self, measurement: Measurement) -> tuple[Measurement, NDArray[np.float64]]:
+        """See :meth:`AirData.see_state`; all begins anew once z turns out to count the other way.
+
+        Args:
+            measurement: Of the aircraft, not older than the one before.
+        """
+        upward, seen = self.air.upward, self.air.see_state(measurement)
+        if self.air.upward == upward:
+            return seen
+        self.begin_anew()
+        return self.air.see_state(measurement)
+
     def see_target(
         self,
         time: float,
@@ -319,6 +331,7 @@ class Navigator:
             self._acceleration += followed(elapsed, self._lag) * lacks
         air = self._aircraft_in_air(measurement, vehicle, ground)
         self._below = ground - float(air.vehicle[2])
+        self.air.far_below = self.engaged and self._below > BELOW
         known, times = self._outlook.arguments
         faded = self._fading(time).reshape(-1).tolist()
         known[:] = [  # in the order of KNOWN

@@ -360,6 +360,34 @@ def test_a_place_that_all_other_sensors_contradict_is_not_flown_by(plant, told, 
     assert np.abs(log.error[since, 0]).max() < 3.0
 
 
+@pytest.mark.parametrize(
+    ("plant", "climb"),
+    [
+        ("jsbsim", -1.0),
+        ("vehicle", 1.0),
+        pytest.param("jsbsim", 1.0, marks=LONG),
+        pytest.param("vehicle", -1.0, marks=LONG),
+    ],
+)
+def test_a_height_that_counts_down_is_found_and_turned_over(plant, climb, monkeypatch):
+    """Alone or with the climb: the aircraft would climb away from its target."""
+    step = Controller.step
+
+    def down(self, seen, *rest):
+        east, north, up = seen.ground_velocity.tolist()
+        place, velocity = seen.position * [1.0, 1.0, -1.0], np.array([east, north, climb * up])
+        return step(
+            self, dataclasses.replace(seen, position=place, ground_velocity=velocity), *rest
+        )
+
+    monkeypatch.setattr(Controller, "step", down)
+    log = flown_on_orbit(plant, "position_bias=[0.0,0.0,0.0]", end=50.0)
+    settled = log.time > 40.0
+    assert log.vehicle[:, 2].max() < 170.0
+    assert np.abs(log.vehicle[settled, 2] - 120.0).max() < 1.0
+    assert np.abs(log.error[settled, 0]).max() < 1.0
+
+
 @LONG
 def test_gusts_on_a_straight_way_in_blame_no_sensor():
     """All that is known of the wind then comes from one direction."""
