@@ -29,9 +29,8 @@ from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement
 from uav_tracking_mpc.estimation.motion_check import FAR
-from uav_tracking_mpc.estimation.response_estimator import ACCELERATION
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, USED, VELOCITY
 from uav_tracking_mpc.estimation.situation import FADE_TIME, Forecast, Situation, outlook
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
@@ -168,7 +167,7 @@ class Navigator:
             response: As it was learnt in flight.
         """
         self._model = self._model.with_lags(response.lags)
-        self._lag = float(self._model.lags[ACCELERATION])
+        self._lags = self._model.lags.tolist()
         self._dead_time = response.dead_times.tolist()
         self._history.memory = 2.0 * max(self._dead_time) + 2.0 * self._latest
 
@@ -185,7 +184,8 @@ class Navigator:
         self.air_estimate.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
-        self._acceleration = self._below = 0.0
+        self._flown = np.zeros(3)  # rates by the commands, in [rad/s] and [m/s^2]
+        self._below = 0.0
         self._told: set[str] = set()  # concerns
         self._turn_failed = False
         self._time: float | None = None
@@ -325,10 +325,10 @@ class Navigator:
         ground = float(track.state[0, 2])
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
         self._time = time
-        if elapsed > 0.0:  # acceleration flown: the commands, after dead time and lag
-            sent = time - 0.5 * elapsed - self._dead_time[ACCELERATION]
-            lacks = self._history.demanded(sent, ACCELERATION) - self._acceleration
-            self._acceleration += followed(elapsed, self._lag) * lacks
+        if elapsed > 0.0:  # what is flown: the commands, after dead time and lag
+            for axis, (dead_time, lag) in enumerate(zip(self._dead_time, self._lags, strict=True)):
+                demanded = self._history.demanded(time - 0.5 * elapsed - dead_time, axis)
+                self._flown[axis] += followed(elapsed, lag) * (demanded - self._flown[axis])
         air = self._aircraft_in_air(measurement, vehicle, ground)
         self._below = ground - float(air.vehicle[2])
         self.air.far_below = self.engaged and self._below > BELOW
@@ -355,7 +355,7 @@ class Navigator:
         self, measurement: Measurement, vehicle: NDArray[np.float64], ground: float
     ) -> SimpleNamespace:
         """What is measured, by :data:`FOUND`, less noise and biases as far as they are known."""
-        rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
+        rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._flown[2]])
         if self._estimating:
             air = self.air
             if air.turn_failed and not self._turn_failed:
@@ -369,6 +369,8 @@ class Navigator:
                 states[AIRSPEED] = OFF
             if states[VELOCITY] == USED:
                 states[VELOCITY] = air.climb_state
+            if measurement.axis is Axis.BODY:  # its nose swings, and turns outwards as it rolls
+                found.rates[:] = self._flown
             return found
         if not measurement.placed:
             raise ValueError("no position is measured")

@@ -388,6 +388,22 @@ def test_a_height_that_counts_down_is_found_and_turned_over(plant, climb, monkey
     assert np.abs(log.error[settled, 0]).max() < 1.0
 
 
+def test_an_aircraft_whose_bank_is_of_another_sign_does_not_swing(monkeypatch):
+    """By its nose it would: that turns outwards as it rolls, and so the wrong way."""
+    step = Controller.step
+
+    def reversed_(self, seen, *rest):
+        bank = -seen.bank if seen.stamp >= BEGIN else seen.bank
+        return step(self, dataclasses.replace(seen, bank=bank), *rest)
+
+    monkeypatch.setattr(Controller, "step", reversed_)
+    log = flown_on_orbit("jsbsim", "position_bias=[0.0,0.0,0.0]")
+    settled = log.time > BEGIN + 15.0
+    bank_rate = np.diff(log.bank[settled]) / np.diff(log.time[settled])
+    assert np.degrees(np.sqrt(np.mean(bank_rate**2))) < 1.3
+    assert np.abs(log.error[settled, 0]).max() < 1.0
+
+
 @LONG
 def test_gusts_on_a_straight_way_in_blame_no_sensor():
     """All that is known of the wind then comes from one direction."""
