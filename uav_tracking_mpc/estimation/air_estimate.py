@@ -322,12 +322,13 @@ def _step() -> ca.Function:
         place, dt, seen.position, seen.placed, carried, used_ground[2], deviation, odd
     )
     # The first positions have been believed too much where they turn out to be noisy; and noise is
-    # metered of those that wait, too, or it would never be found.
+    # metered of how those that wait change, too, or it would never be found.
     believed = ca.fmax(places.held, wind_filter.POSITION_NOISE**2)
     uncertain = ca.if_else(scatter > believed, scatter, 0.0)
     for lane in lanes:
         lane.triangle[OF_POSITION] = ca.fmax(lane.triangle[OF_POSITION], uncertain)
-    read = ca.if_else(fresh * (code == CODE[JUMPED]), seen.position, position)
+    jumps = seen.position - carried - place.off
+    read = position + fresh * (code == CODE[JUMPED]) * (place.jumped > 0.0) * jumps
     # Once positions scatter, what was metered before counts as little as some seconds of samples.
     places.weight = ca.fmin(places.weight, ca.if_else(scattered, noise_meter.EARLY, ca.inf))
 

@@ -60,7 +60,8 @@ VELOCITY_CHECK = Layout(
 JUMP, JUMP_TIME, FADE_TIME = 2.0, 2.0, 10.0
 # m, s: one that is further off contradicts all other sensors: a receiver without a fix, or the
 # filter of an autopilot that was astray. It must stay there for FAR_TIME, and tells nothing of the
-# ground velocity until then.
+# ground velocity until then. A height that is so much too great is never followed: it would lead to
+# the ground.
 FAR, FAR_TIME = 30.0, 30.0
 # m/s: how quickly one that is carried on goes astray, by the ground velocity, and by air velocity
 # and wind. A position that is off by no more than DEVIATIONS times that is where the aircraft is.
@@ -200,8 +201,10 @@ def position_checked(
     stale = age > STALE
     lasts = ca.if_else(fresh, far, known.jumped > 0.0)
     jumped = ca.if_else(lasts, (1.0 - scattered) * known.jumped + elapsed, known.jumped * old)
-    strayed = ca.norm_2(off) <= DEVIATIONS * known.astray
+    straying = ca.if_else(odd, BY_WIND, ASTRAY)  # what it has done since does not count
+    strayed = ca.norm_2(off) <= DEVIATIONS * (known.astray - straying * known.jumped)
     lasting = ca.if_else(ca.norm_2(off) > FAR, FAR_TIME, JUMP_TIME)
+    lasting = ca.if_else(off[2] > FAR, ca.inf, lasting)
     moved = ca.logic_and(far * fresh, ca.logic_or(jumped >= lasting, strayed))
     waits = lasts * ca.logic_not(moved) * ca.logic_not(stale)
     silent = ca.logic_not(present) * stale
@@ -216,7 +219,7 @@ def position_checked(
         faded=known.faded * ca.exp(-elapsed / FADE_TIME) - moved * (1.0 - strayed) * off,
         last=ca.if_else(present, position, known.last),
         climbed=climbed,
-        astray=(code > 0.0) * (known.astray + elapsed * ca.if_else(odd, BY_WIND, ASTRAY)),
+        astray=(code > 0.0) * (known.astray + elapsed * straying),
     )
     seen_axes = fresh * ca.logic_not(waits) * ca.vertcat(1.0, 1.0, ca.logic_not(old))
     return after, code, ca.if_else(seen_axes, position, carried), seen_axes, moved, scattered

@@ -360,6 +360,21 @@ def test_a_place_that_all_other_sensors_contradict_is_not_flown_by(plant, told, 
     assert np.abs(log.error[since, 0]).max() < 3.0
 
 
+@pytest.mark.parametrize("rise", [lambda z: 3.28 * z, lambda z: z + 60.0], ids=["feet", "offset"])
+def test_a_height_that_is_far_too_great_is_never_followed_to_the_ground(rise, monkeypatch):
+    step = Controller.step
+
+    def wrong(self, seen, *rest):
+        east, north, up = seen.position.tolist()
+        place = np.array([east, north, rise(up) if seen.stamp >= BEGIN else up])
+        return step(self, dataclasses.replace(seen, position=place), *rest)
+
+    monkeypatch.setattr(Controller, "step", wrong)
+    log = flown_on_orbit("vehicle", "position_bias=[0.0,0.0,0.0]", end=100.0)
+    assert [(each.sensor, each.state) for each in log.sensors] == [("position", "jumped")]
+    assert np.abs(log.vehicle[log.time >= BEGIN, 2] - 120.0).max() < 2.0
+
+
 @pytest.mark.parametrize(
     ("plant", "climb"),
     [
