@@ -44,7 +44,7 @@ class AirCheck(Evaluated):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
             seen = heading, reading, present, level, air, deviation, settled, moved
-            seen = *seen, 1.0, rates[0], rates[1], 0.0, 0.0
+            seen = *seen, 1.0, 1.0, rates[0], rates[1], 0.0, 0.0
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
@@ -115,6 +115,15 @@ def test_an_airspeed_that_jumps_is_left_out_until_it_agrees(check, wrong):
     assert reasons[-1] == ["jumped", ""]
     assert circled(check, right, 130.0, 150.0)[2][-1] == ["", ""]
     assert not check.layout.parts(check.memory).doubts.any()  # nothing of it is left
+
+
+def test_an_airspeed_that_has_jumped_is_no_better_for_a_silence(check):
+    def blinking(time):
+        return None if 110.0 <= time < 110.2 else right(time) + 6.0
+
+    assert circled(check, blinking, 100.0, 111.0)[2][1:] == [
+        ["jumped", ""], ["silent", ""], ["jumped", ""]
+    ]  # fmt: skip
 
 
 def accelerated(begin):

@@ -251,6 +251,21 @@ def test_an_aircraft_that_is_steered_by_a_climb_of_the_other_sign_is_caught(nois
     assert climbs[[7, 8, *range(9, 15)]].max() < 2.0
 
 
+@pytest.mark.parametrize("error", [-3.0, 0.0, 3.0])
+def test_a_climb_that_leads_elsewhere_for_long_is_wrong(error):
+    """By 3 m/s: no more than gusts make of it for a while."""
+    path, rng, height = FlightPath(), np.random.default_rng(1), 100.0
+    for k in range(round(60.0 / STEP)):
+        gust = 1.0 * math.sin(0.9 * k * STEP) + 0.5 * math.sin(0.31 * k * STEP)
+        height += STEP * gust
+        velocity = np.array([AIRSPEED, 0.0, gust + (error if k * STEP > 30.0 else 0.0)])
+        position = np.array([0.0, 0.0, height + 0.3 * rng.normal()])
+        seen = body(k * STEP, 1e-3, position=position, ground_velocity=velocity, path_angle=0.1)
+        path.of(seen, AIRSPEED, height_noise=0.3)
+        assert not path.climb.failed or k * STEP > 30.0
+    assert path.climb.failed == (error != 0.0)
+
+
 def test_a_bank_that_changes_its_sign_tells_nothing_of_the_airspeed():
     path, least = FlightPath(), 1.0
     for k in range(1000):

@@ -45,7 +45,14 @@ from types import SimpleNamespace
 import casadi as ca
 
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, NOSE_JUMP
-from uav_tracking_mpc.estimation.motion_check import DEVIATIONS, RETURN, STEEPEST, SUDDEN, WINDOW
+from uav_tracking_mpc.estimation.motion_check import (
+    DEVIATIONS,
+    ODD,
+    RETURN,
+    STEEPEST,
+    SUDDEN,
+    WINDOW,
+)
 from uav_tracking_mpc.estimation.noise_meter import EARLY, MEMORY
 from uav_tracking_mpc.estimation.sensor_health import CODE, JUMPED, OFF, SILENT, STUCK, USED
 from uav_tracking_mpc.estimation.state_gate import NOISE_MULTIPLE
@@ -107,6 +114,7 @@ def air_checked(
     wind_deviations: ca.SX,
     settled: ca.SX,
     explained: ca.SX,
+    likelier: ca.SX,
     turn_told: ca.SX,
     strayed: ca.SX,
     acceleration: ca.SX,
@@ -131,6 +139,7 @@ def air_checked(
         settled: Whether the flight has lasted so long that no wind will be known better.
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
+        likelier: Whether the wind that owes nothing to the heading is weaker than the one with it.
         turn_told: Whether anything tells how the heading turns.
         strayed: What the compass has turned by otherwise than the gyros measure, in [rad].
         acceleration: v' as commanded and flown in [m/s^2].
@@ -148,6 +157,8 @@ def air_checked(
     leaps = present * (known.reading >= 0.0) * ca.logic_not(was_silent)
     leaps *= ca.fabs(leap) > SUDDEN + STEEPEST * elapsed + DEVIATIONS * noise
     known.leapt = (known.reasons[AIRSPEED] > 0.0) * known.leapt + leaps * leap
+    judged = ca.logic_not(present) * (reason > CODE[SILENT])  # which a silence does not clear
+    known.leapt = ca.if_else(judged, SUDDEN, known.leapt)
     leapt = (ca.fabs(known.leapt) > RETURN * SUDDEN) * CODE[JUMPED]
     leaps *= ca.logic_or(reason == CODE[USED], reason == CODE[JUMPED])
     reason = ca.if_else(ca.logic_or(was_silent, leaps), leapt, reason)
@@ -178,6 +189,7 @@ def air_checked(
         turn_told,
         ca.vertcat(*TURNED) * wind_deviations,
         explained,
+        likelier,
     )
     # What is known where nothing is compared
     known.weight, known.moved, known.explained, known.recent = 0.0, 0.0, explained, explained
@@ -239,6 +251,7 @@ def _compared(
     turn_told: ca.SX,
     turned: ca.SX,
     explained: ca.SX,
+    likelier: ca.SX,
 ) -> SimpleNamespace:
     """What is known after residuals have been followed, with the states of both sensors."""
     # By what the wind without airspeed has changed lately, it may also have changed along the
@@ -284,11 +297,13 @@ def _compared(
     gone = ca.sign(its_jump[AIRSPEED]) * drifted[AIRSPEED]
     by_air[AIRSPEED] *= gone < RETURN**2 * OWN_SHARE * size[AIRSPEED]
     # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
-    # of it is not explained.
-    drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
-    drifts *= (weight >= ca.DM([MEMORY, EARLY + LASTING])) * ca.vertcat(1.0, turn_told)
+    # of it is not explained. A heading that was astray before anything was compared has not drifted
+    # since, but no gust that would explain it lasts.
     both_used = ca.mmax(reasons) == CODE[USED]
     beyond = ca.fabs(its_lasting) - least
+    drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
+    drifts[HEADING] = ca.logic_or(drifts[HEADING], likelier * (beyond[HEADING] > ODD))
+    drifts *= (weight >= ca.DM([MEMORY, EARLY + LASTING])) * ca.vertcat(1.0, turn_told)
     off = (beyond > 0.0) * drifts
     unexplained = late * both_used * (beyond[HEADING] <= 0.0) * ca.fmax(beyond[AIRSPEED], 0.0)
     found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])

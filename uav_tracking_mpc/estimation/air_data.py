@@ -212,7 +212,8 @@ class AirData:
         if airspeed > high * most or (airspeed < low * least < speed):
             return True
         estimated = float(self._found.vehicle[5])
-        return self.impossible and estimated > 0.0 and not agrees(estimated)
+        # What was estimated by it before agrees with it for too long where the wind does not.
+        return self.impossible and (wind_known or (estimated > 0.0 and not agrees(estimated)))
 
     def _compare(self, measurement: Measurement, elapsed: float, height_noise: float) -> None:
         """Whether heading and ground velocity change as the aircraft does."""

@@ -289,6 +289,7 @@ def _step() -> ca.Function:
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
     blind = lanes[NO_AIRSPEED].state
+    winds = [ca.norm_2((lane.state[W] + lane.state[G])[:2]) for lane in lanes]
     air, out, turned, along = air_check.air_checked(
         sensors,
         dt,
@@ -297,9 +298,10 @@ def _step() -> ca.Function:
         seen.measured,
         ca.fmax(level * (1.0 - state[ALPHA]), LEAST_LEVEL),
         (u[0], u[1]),
-        wind_deviations,
+        ca.if_else(odd, BLIND, wind_deviations),  # what stands in for a velocity judges nobody
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
+        winds[2] < winds[MAIN],
         turn_told,
         strayed,
         seen.rates[2],
@@ -308,6 +310,9 @@ def _step() -> ca.Function:
     )
     by_wind = turned, along / level
     heading = ca.if_else(out[1], by_wind[0], heading)
+    # What is smoothed goes over to what stands in at once: it would blame the others.
+    goes_over = ca.logic_and(out[1], ca.logic_not(left_out))
+    known.aided.value[0] += goes_over * ca.remainder(heading - known.aided.value[0], math.tau)
     airspeed = ca.if_else(out[0], by_wind[1], seen.airspeed)
     motion = ca.vertcat(heading, seen.path_angle, airspeed)
     aided = rate_aided.smoothed(known.aided, dt, motion, seen.rates, seen.noise, seen.biased)

@@ -88,10 +88,10 @@ QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
 STEADY_CLIMB = 2.0  # rad/s, omega_h
 HEIGHT_JUMP = 4.0  # m, besides noise, from where the climb leads: the height has jumped
 CLIMB_LAG = 0.3  # s, tau, with which a climb follows the nose
-# m/s, m: a measured climb is wrong if it differs by more than WRONG_CLIMB from that of pitch and
-# height (severe gusts make 4 m/s), and the height by more than WRONG_HEIGHT from where it leads,
-# within WINDOW
-WRONG_CLIMB, WRONG_HEIGHT = 6.0, 1.0
+# m/s, m, m: a measured climb is wrong if it differs by more than WRONG_CLIMB from that of pitch and
+# height (severe gusts make 4 m/s), or within RIGHT_TIME by WRONG_WAY, and the height by more than
+# WRONG_HEIGHT from where it leads, within WINDOW
+WRONG_CLIMB, WRONG_WAY, WRONG_HEIGHT = 6.0, 10.0, 1.0
 # s, -: it is right again once the heights of RIGHT_TIME show this share of it, and the sum of the
 # squares of what was climbed exceeds LEAST_CLIMB
 RIGHT_TIME, RIGHT_SHARE = 10.0, 0.7
@@ -186,6 +186,7 @@ class Climb:
         self._height = math.nan  # m, before
         # m, flown lately by height, measured climb and pitch; m^2 s, of the first two
         self._risen = self._told = self._pitched = self._along = self._squares = 0.0
+        self._astray = 0.0  # m, by which what pitch and height tell has led elsewhere
         self.missed, self.failed = 0.0, False
 
     def see(self, step: float, by_pitch: float, up: float, height: float, noise: float) -> float:
@@ -233,9 +234,11 @@ class Climb:
         self._pitched = lately * self._pitched + step * climb
         self._along = kept * self._along + step * self._risen * self._told
         self._squares = kept * self._squares + step * self._told**2
+        self._astray = kept * self._astray + step * self.missed
         off, least = abs(self._risen - self._told), WRONG_HEIGHT + 2.0 * noise
         by_height = rise != 0.0 and off > max(least, abs(self._risen - self._pitched))
-        if abs(self.missed) > WRONG_CLIMB and by_height and not self.failed:
+        differs = abs(self.missed) > WRONG_CLIMB or abs(self._astray) > WRONG_WAY
+        if differs and by_height and not self.failed:
             self.failed, self._along, self._squares = True, 0.0, 0.0
         elif self._squares > LEAST_CLIMB and self._along > RIGHT_SHARE * self._squares:
             self.failed = False

@@ -419,6 +419,41 @@ def test_an_aircraft_whose_bank_is_of_another_sign_does_not_swing(monkeypatch):
     assert np.abs(log.error[settled, 0]).max() < 1.0
 
 
+def test_a_compass_that_drifts_before_the_wind_is_known_is_found_in_gusts(monkeypatch):
+    """By 1 deg/s from 8 s on: a gust of 12 m/s would be believed, and the way lost."""
+    step = Controller.step
+
+    def drifting(self, seen, *rest):
+        drift = max(0.0, seen.stamp - 8.0) * math.radians(1.0)
+        heading = math.remainder(seen.heading + drift, math.tau)
+        return step(self, dataclasses.replace(seen, heading=heading), *rest)
+
+    monkeypatch.setattr(Controller, "step", drifting)
+    gusts = "uav_simulator.gust_intensity=1.0"
+    log = flown_on_orbit("jsbsim", "position_bias=[0.0,0.0,0.0]", gusts, end=100.0)
+    assert [(each.sensor, each.state) for each in log.sensors] == [("heading", "off")]
+    assert np.abs(log.error[log.time > 40.0, 0]).max() < 2.0
+
+
+def test_what_stands_in_for_a_velocity_blames_no_compass(monkeypatch):
+    """One with 9 deg of soft iron, after the ground velocity has become stuck."""
+    step, stuck = Controller.step, []
+
+    def wrong(self, seen, *rest):
+        heading = seen.heading + math.radians(9.0) * math.sin(2.0 * seen.heading)
+        if seen.stamp >= BEGIN:
+            stuck.append(seen.ground_velocity)
+        velocity = stuck[0] if stuck else seen.ground_velocity
+        return step(
+            self, dataclasses.replace(seen, ground_velocity=velocity, heading=heading), *rest
+        )
+
+    monkeypatch.setattr(Controller, "step", wrong)
+    log = flown_on_orbit("vehicle", "position_bias=[0.0,0.0,0.0]", end=100.0)
+    assert [(each.sensor, each.state) for each in log.sensors] == [("ground velocity", "stuck")]
+    assert np.abs(log.error[log.time > 40.0, 0]).max() < 2.0
+
+
 @LONG
 def test_gusts_on_a_straight_way_in_blame_no_sensor():
     """All that is known of the wind then comes from one direction."""
