@@ -313,6 +313,10 @@ def _step() -> ca.Function:
     # What is smoothed goes over to what stands in at once: it would blame the others.
     goes_over = ca.logic_and(out[1], ca.logic_not(left_out))
     known.aided.value[0] += goes_over * ca.remainder(heading - known.aided.value[0], math.tau)
+    meter, least = known.aided.meters, rate_aided.METERS.layout
+    for name in ("short", "long", "held"):  # it has noise of its own
+        begin = least.part(name, least.begin)[0]
+        getattr(meter, name)[0] = ca.if_else(goes_over, begin, getattr(meter, name)[0])
     airspeed = ca.if_else(out[0], by_wind[1], seen.airspeed)
     motion = ca.vertcat(heading, seen.path_angle, airspeed)
     aided = rate_aided.smoothed(known.aided, dt, motion, seen.rates, seen.noise, seen.biased)
