@@ -77,6 +77,7 @@ class AirData:
         nose: Where it points in [rad] and how it turns in [rad/s], where it is the bank that tells
             how the path does.
         by_turn: Airspeed by bank and turn rate in [m/s]; inf where it is not known.
+        bank_lost: Whether a body has told its bank, and it is not gone by now.
         stuck: Whether the heading is stuck, and whether the ground velocity is.
         climb_state: State of a vertical velocity that pitch and height replace.
         limits: Least and greatest airspeed of the aircraft in [m/s].
@@ -113,6 +114,7 @@ class AirData:
         self.stuck, self.climb_state = (False, False), USED
         self._first = math.inf  # stamp of the first measurement; -inf after an airspeed
         self.nose: tuple[float, float] | None = None
+        self._banked = self.bank_lost = False
         self.by_turn, self._mirrored, self._unbearable = math.inf, 0.0, 0.0
         self._climbs = 0.0, 0.0, 0.0  # m, far below the target: by nose, height and climb
 
@@ -189,8 +191,10 @@ class AirData:
         if of_path is not attitude:
             self.nose = measurement.heading, measurement.turn_rate
             self.by_turn = plausible * self._path.airspeed_share
+            self._banked = True
             if climb_stuck or self._path.climb.failed:
                 self.climb_state = STUCK if climb_stuck else OFF
+        self.bank_lost = self._banked and self.nose is None
         self.stuck = heading_stuck, velocity_stuck or (climb_stuck and self.nose is None)
         vehicle = of_path.state(speed if airspeed is None else airspeed)
         if airspeed is None and speed > SLOW:

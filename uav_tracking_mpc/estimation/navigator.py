@@ -29,7 +29,7 @@ from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
-from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.motion_check import FAR
 from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, OFF, USED, VELOCITY
 from uav_tracking_mpc.estimation.situation import FADE_TIME, Forecast, Situation, outlook
@@ -369,7 +369,7 @@ class Navigator:
                 states[AIRSPEED] = OFF
             if states[VELOCITY] == USED:
                 states[VELOCITY] = air.climb_state
-            if measurement.axis is Axis.BODY:  # its nose swings, and turns outwards as it rolls
+            if air.bank_lost:  # the nose swings, and turns outwards as the body rolls
                 found.rates[:] = self._flown
             return found
         if not measurement.placed:
