@@ -67,6 +67,7 @@ SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0
 # airspeed before they move it, those across it hardly.
 OWN_DEVIATIONS = 3.0
 LEAST = 1.0  # m/s, that a jump, and what lasts, must exceed in still air
+IRON = 0.08  # rad, by which a sound compass errs in the field of its aircraft's own iron
 DOMINANCE = 3.0  # -, least ratio of the residual of a sensor that fails to the other one
 # rad, that the error of a wind turns against the heading during a jump: of the wind without
 # airspeed, and of that without heading. With 0.3 of both a sound heading was blamed in gusts.
@@ -190,6 +191,7 @@ def air_checked(
         ca.vertcat(*TURNED) * wind_deviations,
         explained,
         likelier,
+        ca.vertcat(0.0, IRON * ca.norm_2(air[1])),
     )
     # What is known where nothing is compared
     known.weight, known.moved, known.explained, known.recent = 0.0, 0.0, explained, explained
@@ -252,6 +254,7 @@ def _compared(
     turned: ca.SX,
     explained: ca.SX,
     likelier: ca.SX,
+    iron: ca.SX,
 ) -> SimpleNamespace:
     """What is known after residuals have been followed, with the states of both sensors."""
     # By what the wind without airspeed has changed lately, it may also have changed along the
@@ -286,7 +289,7 @@ def _compared(
     usual = ca.fmax(usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[ITS]))
     usual = ca.fmax(usual, ca.vertcat(ca.norm_2(explained - recent), 0.0))
     most = ca.fmax(LEAST + usual, DOMINANCE * ca.fabs(jumps[OTHER]))
-    least = LEAST + DEVIATIONS * ca.sqrt(known.offsets[OTHER])
+    least = LEAST + iron + DEVIATIONS * ca.sqrt(known.offsets[OTHER])
     least = ca.fmax(least, DOMINANCE * ca.fabs(lasting[OTHER])) + ca.vertcat(moved, 0.0)
     by_sensor, size = ca.sign(its_jump) * owned, ca.fabs(its_jump)
     by_sensor[HEADING] = ca.if_else(turn_told, by_sensor[HEADING], size[HEADING])
