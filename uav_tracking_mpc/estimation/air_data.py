@@ -50,8 +50,9 @@ STUCK_TURN, STUCK_CLIMB, STUCK_ROLL = 0.04, 3.0, 0.1
 # it is used again
 POSSIBLE = 0.75, 1.25
 # rad: a heading counts from North to East if the aircraft flies for CONTRARY_TIME beside its
-# heading by more than this, and beside the mirrored one by less than RETURN of it
-BESIDE = 1.0
+# heading by more than this, and beside the mirrored one by less than RETURN of it; and surely so if
+# it does while it turns by MIRRORED_TURN: one that errs by a constant does for RETURN of BESIDE
+BESIDE, MIRRORED_TURN = 1.0, 1.5
 # m, rad: z is positive down once the height has fallen while the nose, of which some are its angle
 # of attack, has climbed by more than DIVED, far below the target
 DIVED, NOSE_UP = 20.0, 0.1
@@ -87,7 +88,8 @@ class AirData:
         too_fast: Whether airspeed and ground velocity both read more than the greatest airspeed.
             Two sensors say so then, whatever the estimate makes of them.
         far_below: Whether an aircraft that flies the commands seems to be far below its target.
-        upward: Signs of the height and of the climb as they are measured, -1 where they count down.
+        signs: Of height, climb and heading as they are measured: -1 where z counts down, or the
+            heading from North to East.
     """
 
     def __init__(self, timeout: float, found: SimpleNamespace) -> None:
@@ -98,7 +100,7 @@ class AirData:
     def reset(self) -> None:
         """Forget the aircraft and the airspeed."""
         self._stamp, self._airspeed = -math.inf, math.nan
-        self.upward, self.far_below = (1.0, 1.0), False
+        self.signs, self.far_below = (1.0, 1.0, 1.0), False
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -116,6 +118,7 @@ class AirData:
         self.nose: tuple[float, float] | None = None
         self._banked = self.bank_lost = False
         self.by_turn, self._mirrored, self._unbearable = math.inf, 0.0, 0.0
+        self._course = self._turned = 0.0  # rad, of the velocity, and by which while mirrored
         self._climbs = 0.0, 0.0, 0.0  # m, far below the target: by nose, height and climb
 
     def see(self, stamp: float, airspeed: float) -> None:
@@ -143,12 +146,14 @@ class AirData:
             measurement: Its own airspeed counts first, then the one that came by itself.
         """
         airspeed, stamp = measurement.airspeed, measurement.stamp
-        if self.upward != (1.0, 1.0):
-            height, climb = self.upward
+        if min(self.signs) < 0.0:
+            height, climb, sense = self.signs
+            heading = measurement.heading if sense > 0.0 else 0.5 * math.pi - measurement.heading
             measurement = replace(
                 measurement,
                 position=measurement.position * [1.0, 1.0, height],
                 ground_velocity=measurement.ground_velocity * [1.0, 1.0, climb],
+                heading=math.remainder(heading, math.tau),
             )
         height_noise = max(measurement.noise.position[2], float(self._found.position_noise[0]))
         if stamp != self._latest:
@@ -259,7 +264,11 @@ class AirData:
         stuck = self._repeated[0][-1] or self._repeated[2][-1]
         sound = math.hypot(*velocity[:2]) > LEAST_AIRSPEED and not (stuck or self._velocity_failed)
         looks = beside > BESIDE and mirrored < RETURN * BESIDE
+        turned, self._course = math.remainder(course - self._course, math.tau), course
         self._mirrored = self._mirrored + elapsed if looks and sound else 0.0
+        self._turned = self._turned + turned if self._mirrored > elapsed else 0.0
+        if abs(self._turned) > MIRRORED_TURN:
+            self.signs = *self.signs[:2], -self.signs[2]
 
     def _see_height(self, rise: float, elapsed: float, velocity: list[float], pitch: float) -> None:
         """Whether z is positive down: it falls while the aircraft, far below its target, climbs."""
@@ -271,8 +280,8 @@ class AirData:
             nose, risen, climbed = nose + by_nose, risen + rise, climbed + elapsed * velocity[2]
             self._climbs = nose, risen, climbed
             if nose > DIVED and risen < -RETURN * nose:
-                height, climb = self.upward
-                self.upward = -height, math.copysign(climb, climb * climbed)
+                height, climb, heading = self.signs
+                self.signs = -height, math.copysign(climb, climb * climbed), heading
 
     @property
     def turn_failed(self) -> bool:
@@ -317,8 +326,9 @@ class AirData:
             "the heading looks as if it counted from North to East: it must count from East to "
             "North (ENU)": self._mirrored > CONTRARY_TIME,
             "the height falls as the aircraft climbs: z is taken as positive down": (
-                self.upward[0] < 0.0
+                self.signs[0] < 0.0
             ),
+            "the heading counts from North to East: it is taken so": self.signs[2] < 0.0,
             "the turn rate is more than any airframe bears: it must be in rad/s, and is left out": (
                 self.turn_failed
             ),

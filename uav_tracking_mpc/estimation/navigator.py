@@ -236,13 +236,13 @@ class Navigator:
         ]
 
     def see_state(self, measurement: Measurement) -> tuple[Measurement, NDArray[np.float64]]:
-        """See :meth:`AirData.see_state`; all begins anew once z turns out to count the other way.
+        """See :meth:`AirData.see_state`; all begins anew once z or heading count the other way.
 
         Args:
             measurement: Of the aircraft, not older than the one before.
         """
-        upward, seen = self.air.upward, self.air.see_state(measurement)
-        if self.air.upward == upward:
+        signs, seen = self.air.signs, self.air.see_state(measurement)
+        if self.air.signs == signs:
             return seen
         self.begin_anew()
         return self.air.see_state(measurement)

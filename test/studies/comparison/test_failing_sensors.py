@@ -403,6 +403,20 @@ def test_a_height_that_counts_down_is_found_and_turned_over(plant, climb, monkey
     assert np.abs(log.error[settled, 0]).max() < 1.0
 
 
+def test_a_heading_that_counts_from_north_to_east_is_found_and_turned_over(monkeypatch):
+    """From the start: without that the aircraft flies kilometres away."""
+    step = Controller.step
+
+    def mirrored(self, seen, *rest):
+        heading = math.remainder(0.5 * math.pi - seen.heading, math.tau)
+        return step(self, dataclasses.replace(seen, heading=heading), *rest)
+
+    monkeypatch.setattr(Controller, "step", mirrored)
+    log = flown_on_orbit("jsbsim", "position_bias=[0.0,0.0,0.0]", end=70.0)
+    assert not log.sensors
+    assert np.abs(log.error[log.time > 55.0, 0]).max() < 1.0
+
+
 def test_an_aircraft_whose_bank_is_of_another_sign_does_not_swing(monkeypatch):
     """By its nose it would: that turns outwards as it rolls, and so the wrong way."""
     step = Controller.step
