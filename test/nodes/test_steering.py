@@ -27,6 +27,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, truth_from_odometry
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.ros.diagnostics import OK, WARN
 from uav_tracking_mpc.nodes.topics import TARGET_GOAL, TARGET_TRUTH
 
 pytestmark = pytest.mark.nodes
@@ -168,6 +169,9 @@ def test_commands_come_only_while_engaged(steered):
 def test_a_pause_is_survived_without_a_fallback(steered):
     assert steered.spin(lambda: steered.told()[1]["mode"] == "optimal plan")
     changes = steered.told()[1]["mode changes"]
+    # Whatever it says then: nothing more is said while time stands.
+    steered.simulator._diagnostics.status.begin(OK, "fine")
+    steered.simulator._diagnostics.report(WARN, "commands are late")
     answer = steered.ask(SetBool, "pause", "uav_simulator", data=True)
     assert answer.success, answer.message
     steered.spin(lambda: False, 0.3)

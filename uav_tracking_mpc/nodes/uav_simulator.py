@@ -110,7 +110,7 @@ class UavSimulator(VehicleNode):
         words = "time stands still" if self._paused else "time runs"
         response.success, response.message = True, f"{words} at {self._now * 1e-9:.3f} s"
         if self._paused:
-            self._diagnostics.report(diagnostics.WARN, "paused: time stands still")
+            self._diagnostics.announce(diagnostics.WARN, "paused: time stands still")
         else:
             self._report()
         return response
