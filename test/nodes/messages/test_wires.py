@@ -177,6 +177,18 @@ def odometry(stamp, numbers, frame="map", child="base_link"):
     return message
 
 
+def told(message):
+    """All of a state, numbers to the last bit; between texts the middleware leaves any bytes."""
+    place, attitude = message.pose.pose.position, message.pose.pose.orientation
+    linear, angular = message.twist.twist.linear, message.twist.twist.angular
+    numbers = [place.x, place.y, place.z, attitude.x, attitude.y, attitude.z, attitude.w]
+    numbers += [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
+    numbers += [*message.pose.covariance, *message.twist.covariance]
+    header = message.header
+    texts = header.frame_id, message.child_frame_id
+    return header.stamp.sec, header.stamp.nanosec, *texts, np.array(numbers).tobytes()
+
+
 @given(
     st.lists(
         st.tuples(
@@ -194,9 +206,7 @@ def test_a_state_is_read_as_the_middleware_reads_it(messages):
     for stamp, numbers, *frames in messages:
         data = bytes(serialize_message(odometry(stamp, numbers, *frames)))
         for read in (wire.read(data), wire.read(data)):  # the second one in place
-            assert bytes(serialize_message(read)) == bytes(
-                serialize_message(deserialize_message(data, ODOMETRY.type))
-            )
+            assert told(read) == told(deserialize_message(data, ODOMETRY.type))
 
 
 def test_a_state_whose_numbers_are_not_its_end_is_read_by_the_middleware():
