@@ -26,7 +26,7 @@ from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.softening import Softening
 from uav_tracking_mpc.control.watches import OscillationReport
 from uav_tracking_mpc.dynamics.vehicle import Response
-from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 
@@ -69,7 +69,7 @@ class ResponseAdaptation:
         self._told = parameters
         self._engaged = True
         self._stamp = 0.0
-        self._axis = self._best = Axis.BODY  # what is measured, and the best that was so far
+        self._bank_lost = False
         self._learns_from = -math.inf  # s
         self._seen: tuple[Measurement, bool, float] | None = None  # not yet learnt from; so is
         self._sent: tuple[float, float, NDArray[np.float64], float, float, list[float]] | None = (
@@ -85,7 +85,7 @@ class ResponseAdaptation:
         as quickly as they can, which is neither lag nor dead time. A nose whose bank is lost turns
         outwards as it rolls, and swings: its turn is not that of the path.
         """
-        flies = self._engaged and self._stamp >= self._learns_from and self._axis is self._best
+        flies = self._engaged and self._stamp >= self._learns_from and not self._bank_lost
         return self._told.response_estimation and flies
 
     def reset(self) -> Response | None:
@@ -164,6 +164,7 @@ class ResponseAdaptation:
         vehicle: NDArray[np.float64],
         airspeed_measured: bool,
         gusts: float = 0.0,
+        bank_lost: bool = False,
     ) -> None:
         """Take in a measurement; :meth:`learn` learns from it.
 
@@ -172,14 +173,13 @@ class ResponseAdaptation:
             vehicle: (x, y, z, psi, chi, v), shape (6,).
             airspeed_measured: Whether v is measured.
             gusts: Intensity of level gusts in [m^2/s^3]; 0 where nothing is known of them.
+            bank_lost: Whether a body has told its bank, and it is not gone by now.
         """
         self.learn()
         self._air, self._stamp = vehicle[3:].tolist(), measurement.stamp
-        if measurement.axis is not self._axis:
+        if bank_lost != self._bank_lost:
             self.interrupt()
-        self._axis = measurement.axis
-        if self._axis is Axis.AIR_VELOCITY:
-            self._best = self._axis
+        self._bank_lost = bank_lost
         if self._engaged:
             # Also where time has gone back since
             self._learns_from = min(self._learns_from, self._stamp + TAKING_OVER)

@@ -390,7 +390,7 @@ class Controller:
             return None
         measurement, vehicle = self.navigator.see_state(measurement)
         known, gusts = self.navigator.airspeed_known, self.navigator.gusts
-        self.response.see(measurement, vehicle, known, gusts)
+        self.response.see(measurement, vehicle, known, gusts, self.navigator.air.bank_lost)
         return measurement, vehicle
 
     def _go_on(self, stamp: float) -> Command | None:

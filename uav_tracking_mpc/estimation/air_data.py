@@ -54,8 +54,8 @@ POSSIBLE = 0.75, 1.25
 # it does while it turns by MIRRORED_TURN: one that errs by a constant does for RETURN of BESIDE
 BESIDE, MIRRORED_TURN = 1.0, 1.5
 # m, rad: z is positive down once the height has fallen while the nose, of which some are its angle
-# of attack, has climbed by more than DIVED, far below the target
-DIVED, NOSE_UP = 20.0, 0.1
+# of attack, has climbed by more than CLIMBED, far below the target
+CLIMBED, NOSE_UP = 20.0, 0.1
 # m/s^2: turn rates are in another unit once they would have asked for so much across the path,
 # which no airframe bears, for as long as a reading that is stuck stays the same
 UNBEARABLE = 60.0
@@ -279,7 +279,7 @@ class AirData:
             nose, risen, climbed = self._climbs
             nose, risen, climbed = nose + by_nose, risen + rise, climbed + elapsed * velocity[2]
             self._climbs = nose, risen, climbed
-            if nose > DIVED and risen < -RETURN * nose:
+            if nose > CLIMBED and risen < -RETURN * nose:
                 height, climb, heading = self.signs
                 self.signs = -height, math.copysign(climb, climb * climbed), heading
 

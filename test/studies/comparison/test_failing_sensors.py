@@ -61,6 +61,16 @@ def flown(plant, wrong, *settings, begin, end):
     return loop.log(end)
 
 
+def misread(monkeypatch, change):
+    """Every measurement has other values, by name, that are made from it."""
+    step = Controller.step
+
+    def wrong(self, seen, *rest):
+        return step(self, dataclasses.replace(seen, **change(seen)), *rest)
+
+    monkeypatch.setattr(Controller, "step", wrong)
+
+
 @pytest.mark.parametrize(
     ("plant", "angle"),
     [
@@ -362,14 +372,11 @@ def test_a_place_that_all_other_sensors_contradict_is_not_flown_by(plant, told, 
 
 @pytest.mark.parametrize("rise", [lambda z: 3.28 * z, lambda z: z + 60.0], ids=["feet", "offset"])
 def test_a_height_that_is_far_too_great_is_never_followed_to_the_ground(rise, monkeypatch):
-    step = Controller.step
-
-    def wrong(self, seen, *rest):
+    def change(seen):
         east, north, up = seen.position.tolist()
-        place = np.array([east, north, rise(up) if seen.stamp >= BEGIN else up])
-        return step(self, dataclasses.replace(seen, position=place), *rest)
+        return {"position": np.array([east, north, rise(up) if seen.stamp >= BEGIN else up])}
 
-    monkeypatch.setattr(Controller, "step", wrong)
+    misread(monkeypatch, change)
     log = flown_on_orbit("vehicle", "position_bias=[0.0,0.0,0.0]", end=100.0)
     assert [(each.sensor, each.state) for each in log.sensors] == [("position", "jumped")]
     assert np.abs(log.vehicle[log.time >= BEGIN, 2] - 120.0).max() < 2.0
@@ -386,16 +393,13 @@ def test_a_height_that_is_far_too_great_is_never_followed_to_the_ground(rise, mo
 )
 def test_a_height_that_counts_down_is_found_and_turned_over(plant, climb, monkeypatch):
     """Alone or with the climb: the aircraft would climb away from its target."""
-    step = Controller.step
 
-    def down(self, seen, *rest):
+    def change(seen):
         east, north, up = seen.ground_velocity.tolist()
-        place, velocity = seen.position * [1.0, 1.0, -1.0], np.array([east, north, climb * up])
-        return step(
-            self, dataclasses.replace(seen, position=place, ground_velocity=velocity), *rest
-        )
+        velocity = np.array([east, north, climb * up])
+        return {"position": seen.position * [1.0, 1.0, -1.0], "ground_velocity": velocity}
 
-    monkeypatch.setattr(Controller, "step", down)
+    misread(monkeypatch, change)
     log = flown_on_orbit(plant, "position_bias=[0.0,0.0,0.0]", end=50.0)
     settled = log.time > 40.0
     assert log.vehicle[:, 2].max() < 170.0
@@ -405,13 +409,7 @@ def test_a_height_that_counts_down_is_found_and_turned_over(plant, climb, monkey
 
 def test_a_heading_that_counts_from_north_to_east_is_found_and_turned_over(monkeypatch):
     """From the start: without that the aircraft flies kilometres away."""
-    step = Controller.step
-
-    def mirrored(self, seen, *rest):
-        heading = math.remainder(0.5 * math.pi - seen.heading, math.tau)
-        return step(self, dataclasses.replace(seen, heading=heading), *rest)
-
-    monkeypatch.setattr(Controller, "step", mirrored)
+    misread(monkeypatch, lambda seen: {"heading": 0.5 * math.pi - seen.heading})
     log = flown_on_orbit("jsbsim", "position_bias=[0.0,0.0,0.0]", end=70.0)
     assert not log.sensors
     assert np.abs(log.error[log.time > 55.0, 0]).max() < 1.0
@@ -419,13 +417,7 @@ def test_a_heading_that_counts_from_north_to_east_is_found_and_turned_over(monke
 
 def test_an_aircraft_whose_bank_is_of_another_sign_does_not_swing(monkeypatch):
     """By its nose it would: that turns outwards as it rolls, and so the wrong way."""
-    step = Controller.step
-
-    def reversed_(self, seen, *rest):
-        bank = -seen.bank if seen.stamp >= BEGIN else seen.bank
-        return step(self, dataclasses.replace(seen, bank=bank), *rest)
-
-    monkeypatch.setattr(Controller, "step", reversed_)
+    misread(monkeypatch, lambda seen: {"bank": -seen.bank if seen.stamp >= BEGIN else seen.bank})
     log = flown_on_orbit("jsbsim", "position_bias=[0.0,0.0,0.0]")
     settled = log.time > BEGIN + 15.0
     bank_rate = np.diff(log.bank[settled]) / np.diff(log.time[settled])
@@ -435,14 +427,11 @@ def test_an_aircraft_whose_bank_is_of_another_sign_does_not_swing(monkeypatch):
 
 def test_a_compass_that_drifts_before_the_wind_is_known_is_found_in_gusts(monkeypatch):
     """By 1 deg/s from 8 s on: a gust of 12 m/s would be believed, and the way lost."""
-    step = Controller.step
 
-    def drifting(self, seen, *rest):
-        drift = max(0.0, seen.stamp - 8.0) * math.radians(1.0)
-        heading = math.remainder(seen.heading + drift, math.tau)
-        return step(self, dataclasses.replace(seen, heading=heading), *rest)
+    def change(seen):
+        return {"heading": seen.heading + max(0.0, seen.stamp - 8.0) * math.radians(1.0)}
 
-    monkeypatch.setattr(Controller, "step", drifting)
+    misread(monkeypatch, change)
     gusts = "uav_simulator.gust_intensity=1.0"
     log = flown_on_orbit("jsbsim", "position_bias=[0.0,0.0,0.0]", gusts, end=100.0)
     assert [(each.sensor, each.state) for each in log.sensors] == [("heading", "off")]
@@ -451,18 +440,16 @@ def test_a_compass_that_drifts_before_the_wind_is_known_is_found_in_gusts(monkey
 
 def test_what_stands_in_for_a_velocity_blames_no_compass(monkeypatch):
     """One with 9 deg of soft iron, after the ground velocity has become stuck."""
-    step, stuck = Controller.step, []
+    stuck = []
 
-    def wrong(self, seen, *rest):
+    def change(seen):
         heading = seen.heading + math.radians(9.0) * math.sin(2.0 * seen.heading)
         if seen.stamp >= BEGIN:
             stuck.append(seen.ground_velocity)
         velocity = stuck[0] if stuck else seen.ground_velocity
-        return step(
-            self, dataclasses.replace(seen, ground_velocity=velocity, heading=heading), *rest
-        )
+        return {"heading": heading, "ground_velocity": velocity}
 
-    monkeypatch.setattr(Controller, "step", wrong)
+    misread(monkeypatch, change)
     log = flown_on_orbit("vehicle", "position_bias=[0.0,0.0,0.0]", end=100.0)
     assert [(each.sensor, each.state) for each in log.sensors] == [("ground velocity", "stuck")]
     assert np.abs(log.error[log.time > 40.0, 0]).max() < 2.0
