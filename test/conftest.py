@@ -111,3 +111,9 @@ class OptionalModule(pytest.Module):
 def pytest_pycollect_makemodule(module_path, parent):
     """Every file may need an extra: `colcon test` runs with what package.xml declares."""
     return OptionalModule.from_parent(parent, path=module_path)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_handlecrashitem(crashitem):
+    """Name at once what has ended its worker: a run that is cut short has no summary."""
+    print(f"\n{crashitem} has ended its worker", flush=True)
