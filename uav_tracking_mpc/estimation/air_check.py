@@ -32,7 +32,8 @@ velocity and wind stand in for a sensor until it agrees again.
 
 A compass is compared with the gyros, too: their difference, less the gyros' bias, shows one that
 drifts. What it jumps by is subtracted; so it is of the direction of the air velocity while gyros
-are all that it can be compared with: without an airspeed, and until the wind is known.
+are all that it can be compared with: without an airspeed, and until the wind is known. One that
+then drifts far is left out, and the gyros alone tell the heading.
 
 These are expressions: :mod:`~uav_tracking_mpc.estimation.air_estimate` compiles them.
 """
@@ -100,8 +101,11 @@ AIR_CHECK = Layout(
 # rad/s: a heading jumps if it differs from that of the gyros by more than NOSE_JUMP, plus SNAP_RATE
 # times the time since the last one, plus NOISE_MULTIPLE standard deviations of its noise.
 SNAP_RATE = 0.3
-GYRO_TIME = 120.0  # s, memory of the gyros' bias: a compass that drifts is found before
-COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1)
+# s: memory of the gyros' bias; and while nobody else judges the compass, whose drift would be taken
+# for one before it has strayed by DRIFTED [rad], which is more than 9 deg of iron make of it
+GYRO_TIME, ALONE_TIME = 120.0, 600.0
+DRIFTED = 0.35
+COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1, astray=1)
 
 
 def air_checked(
@@ -369,7 +373,8 @@ def compass_checked(
 
     Args:
         known: By :data:`COMPASS_CHECK`: the compass before, by how much it has jumped [rad], how
-            quickly it strays from the gyros on average [rad/s], since when that is known [s].
+            quickly it strays from the gyros on average [rad/s], since when that is known [s], and
+            by how much it has strayed lately while nobody else judged it [rad].
         elapsed: Since the compass before in [s].
         nose: Where the compass says that the nose points, in [rad].
         turn: How it turns by the gyros, as they are measured, in [rad/s].
@@ -383,7 +388,7 @@ def compass_checked(
     apart = (elapsed > 0.0) * ca.remainder(turned - elapsed * turn, math.tau)
     unusual, most = apart - elapsed * known.rate, SNAP_RATE * elapsed
     jumps = ca.logic_or(ca.fabs(unusual) > NOSE_JUMP + most + NOISE_MULTIPLE * deviation, stuck)
-    known_for = ca.fmin(known.known_for + elapsed, GYRO_TIME)
+    known_for = ca.fmin(known.known_for + elapsed, ca.if_else(alone, ALONE_TIME, GYRO_TIME))
     # A jump is no bias. What is averaged is kept in bounds, and not what it differs by: else a
     # first noisy compass would stay in the average for minutes.
     learnt = ca.fmax(-most, ca.fmin(apart, most)) - elapsed * known.rate
@@ -394,8 +399,18 @@ def compass_checked(
     leaps = by_nose * jumps * (ca.fabs(turned) > elapsed * ca.fabs(turn))
     alone = ca.logic_or(ca.logic_or(alone, leaps), ca.fabs(known.snapped) > RETURN * NOSE_JUMP)
     jump = alone * jumps * strayed
+    # Gyros that drift so quickly are rarer: once it has drifted, they alone tell the heading.
+    drifted = ca.fabs(known.astray) > DRIFTED
+    counts = most < NOSE_JUMP  # what is seldom measured may have turned otherwise in between
+    astray = ca.exp(-elapsed / GYRO_TIME) * known.astray + counts * (strayed - jump)
+    astray = alone * (known_for >= GYRO_TIME) * ca.if_else(drifted, known.astray, astray)
+    begins = ca.logic_and(ca.logic_not(drifted), ca.fabs(astray) > DRIFTED)
+    jump += alone * ca.if_else(drifted, ca.logic_not(jumps) * unusual, begins * astray)
+    rate = ca.if_else(
+        drifted, known.rate, known.rate + change - begins * astray / ca.fmax(known_for, GYRO_TIME)
+    )
     snapped = alone * ca.remainder(known.snapped + jump, math.tau)
     after = SimpleNamespace(
-        nose=nose, snapped=snapped, rate=known.rate + change, known_for=known_for
+        nose=nose, snapped=snapped, rate=rate, known_for=known_for, astray=astray
     )
     return after, strayed - jump, snapped

@@ -438,6 +438,21 @@ def test_a_compass_that_drifts_before_the_wind_is_known_is_found_in_gusts(monkey
     assert np.abs(log.error[log.time > 40.0, 0]).max() < 2.0
 
 
+def test_a_compass_that_drifts_while_there_is_no_airspeed_gives_way_to_the_gyros(monkeypatch):
+    """By 1 deg/s, in a flight that nobody else can judge: the aircraft would hit the ground."""
+
+    def change(seen):
+        heading = seen.heading + max(0.0, seen.stamp - 150.0) * math.radians(1.0)
+        return {"heading": heading, "airspeed": seen.airspeed if seen.stamp < 130.0 else None}
+
+    misread(monkeypatch, change)
+    log = flown_on_orbit("jsbsim", "position_bias=[0.0,0.0,0.0]", end=300.0)
+    assert [each.sensor for each in log.sensors] == ["airspeed", "heading"]
+    assert log.vehicle[:, 2].min() > 70.0
+    assert np.abs(log.error[log.time > BEGIN, 0]).max() < 6.0
+    assert np.abs(log.error[log.time > 280.0, 0]).max() < 1.0
+
+
 def test_what_stands_in_for_a_velocity_blames_no_compass(monkeypatch):
     """One with 9 deg of soft iron, after the ground velocity has become stuck."""
     stuck = []
