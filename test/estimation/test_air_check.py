@@ -40,11 +40,11 @@ STEP, AIRSPEED_FLOWN, TURN = 0.05, 22.0, 0.073
 class AirCheck(Evaluated):
     """Of airspeed and heading; the time is that of the last call."""
 
-    def __init__(self, settled=0.0):
+    def __init__(self, settled=0.0, astray=1.0):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
             seen = heading, reading, present, level, air, deviation, settled, moved
-            seen = *seen, 1.0, 1.0, rates[0], rates[1], 0.0, 0.0
+            seen = *seen, 1.0, 1.0, rates[0], astray, rates[1], 0.0, 0.0
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
@@ -106,6 +106,16 @@ def check(settled):
     check = AirCheck()
     check.memory[:], check.time, check.heading = settled.memory, settled.time, settled.heading
     return check
+
+
+@pytest.mark.parametrize(("astray", "named"), [(0.0, ""), (0.3, "off")])
+def test_what_lasts_from_the_start_is_a_heading_that_strayed_or_else_the_wind(astray, named):
+    def misled(time, heading):
+        away, turned = ([math.cos(angle), math.sin(angle)] for angle in (heading, heading + 0.8))
+        return AIRSPEED_FLOWN * (np.array(turned) - away)
+
+    reasons = circled(AirCheck(astray=astray), right, misled=misled)[2]
+    assert reasons[-1] == ["", named]
 
 
 @pytest.mark.parametrize("wrong", [-22.0, -3.0, 3.0, 10.0])

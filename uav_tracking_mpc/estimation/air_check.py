@@ -105,7 +105,7 @@ SNAP_RATE = 0.3
 # for one before it has strayed by DRIFTED [rad], which is more than 9 deg of iron make of it
 GYRO_TIME, ALONE_TIME = 120.0, 600.0
 DRIFTED = 0.35
-COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1, astray=1)
+COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1, astray=1, drifted=1)
 
 
 def air_checked(
@@ -122,6 +122,7 @@ def air_checked(
     likelier: ca.SX,
     turn_told: ca.SX,
     strayed: ca.SX,
+    astray: ca.SX,
     acceleration: ca.SX,
     stuck: ca.SX,
     noise: ca.SX,
@@ -147,6 +148,7 @@ def air_checked(
         likelier: Whether the wind that owes nothing to the heading is weaker than the one with it.
         turn_told: Whether anything tells how the heading turns.
         strayed: What the compass has turned by otherwise than the gyros measure, in [rad].
+        astray: How much of that it has lately, in [rad].
         acceleration: v' as commanded and flown in [m/s^2].
         stuck: Whether the heading is stuck.
         noise: Standard deviation of the airspeed's noise in [m/s].
@@ -194,7 +196,7 @@ def air_checked(
         turn_told,
         ca.vertcat(*TURNED) * wind_deviations,
         explained,
-        likelier,
+        likelier * (ca.fabs(astray) > 2.0 * IRON),
         ca.vertcat(0.0, IRON * ca.norm_2(air[1])),
     )
     # What is known where nothing is compared
@@ -305,7 +307,7 @@ def _compared(
     by_air[AIRSPEED] *= gone < RETURN**2 * OWN_SHARE * size[AIRSPEED]
     # An airspeed's bias from the start is no drift: the filters estimate it, the quicker the more
     # of it is not explained. A heading that was astray before anything was compared has not drifted
-    # since, but no gust that would explain it lasts.
+    # since, but no gust that would explain it lasts, and the gyros know of it.
     both_used = ca.mmax(reasons) == CODE[USED]
     beyond = ca.fabs(its_lasting) - least
     drifts = ca.sign(its_lasting) * drifted > OWN_SHARE * ca.fabs(its_lasting)
@@ -373,8 +375,8 @@ def compass_checked(
 
     Args:
         known: By :data:`COMPASS_CHECK`: the compass before, by how much it has jumped [rad], how
-            quickly it strays from the gyros on average [rad/s], since when that is known [s], and
-            by how much it has strayed lately while nobody else judged it [rad].
+            quickly it strays from the gyros on average [rad/s], since when that is known [s], by
+            how much it has strayed lately [rad], and whether that was too much.
         elapsed: Since the compass before in [s].
         nose: Where the compass says that the nose points, in [rad].
         turn: How it turns by the gyros, as they are measured, in [rad/s].
@@ -400,17 +402,19 @@ def compass_checked(
     alone = ca.logic_or(ca.logic_or(alone, leaps), ca.fabs(known.snapped) > RETURN * NOSE_JUMP)
     jump = alone * jumps * strayed
     # Gyros that drift so quickly are rarer: once it has drifted, they alone tell the heading.
-    drifted = ca.fabs(known.astray) > DRIFTED
+    drifted, lately = known.drifted, ca.exp(-elapsed / GYRO_TIME)
     counts = most < NOSE_JUMP  # what is seldom measured may have turned otherwise in between
-    astray = ca.exp(-elapsed / GYRO_TIME) * known.astray + counts * (strayed - jump)
-    astray = alone * (known_for >= GYRO_TIME) * ca.if_else(drifted, known.astray, astray)
-    begins = ca.logic_and(ca.logic_not(drifted), ca.fabs(astray) > DRIFTED)
+    astray = ca.logic_not(drifted) * (lately * known.astray + counts * (strayed - jump))
+    begins = alone * (known_for >= GYRO_TIME) * (ca.fabs(astray) > DRIFTED)
     jump += alone * ca.if_else(drifted, ca.logic_not(jumps) * unusual, begins * astray)
-    rate = ca.if_else(
-        drifted, known.rate, known.rate + change - begins * astray / ca.fmax(known_for, GYRO_TIME)
-    )
+    learnt = change - begins * astray / ca.fmax(known_for, GYRO_TIME)
     snapped = alone * ca.remainder(known.snapped + jump, math.tau)
     after = SimpleNamespace(
-        nose=nose, snapped=snapped, rate=rate, known_for=known_for, astray=astray
+        nose=nose,
+        snapped=snapped,
+        rate=known.rate + ca.logic_not(drifted) * learnt,
+        known_for=known_for,
+        astray=astray,
+        drifted=alone * ca.logic_or(drifted, begins),
     )
     return after, strayed - jump, snapped

@@ -229,7 +229,7 @@ class AirData:
         velocity, place = measurement.ground_velocity.tolist(), tuple(measurement.position.tolist())
         turned = elapsed * measurement.turn_rate
         # Only a new position tells a velocity that is stuck from a receiver that is read seldom.
-        repeats = place == self._place or not measurement.placed
+        repeats = place[:2] == self._place[:2] or not measurement.placed
         self._stays = repeats * (self._stays + elapsed)
         waits = STALE if self._stays > STALE else math.inf
         seldom = waits if repeats else WINDOW

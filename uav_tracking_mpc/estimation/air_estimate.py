@@ -304,6 +304,7 @@ def _step() -> ca.Function:
         winds[2] < winds[MAIN],
         turn_told,
         strayed,
+        compass.astray,
         seen.rates[2],
         seen.stuck[0],
         ca.fmax(ca.sqrt(known.aided.meters.held[2]), seen.noise[2]),

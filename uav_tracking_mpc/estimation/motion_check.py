@@ -145,8 +145,11 @@ def velocity_checked(
 
 
 def is_fresh(known: SimpleNamespace, position: ca.SX, present: ca.SX) -> ca.SX:
-    """Whether a position in [m] is measured that is not the last one in ``known``."""
-    return present * (ca.sumsqr(position - known.last) > 0.0)
+    """Whether a position in [m] is measured that is not the last one in ``known``.
+
+    A barometer tells a new height beside a place that its receiver repeats.
+    """
+    return present * (ca.sumsqr((position - known.last)[:2]) > 0.0)
 
 
 def is_far(known: SimpleNamespace) -> ca.SX:

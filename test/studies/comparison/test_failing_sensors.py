@@ -370,6 +370,24 @@ def test_a_place_that_all_other_sensors_contradict_is_not_flown_by(plant, told, 
     assert np.abs(log.error[since, 0]).max() < 3.0
 
 
+@pytest.mark.parametrize("every", [0.5, 1.0])
+def test_a_height_may_come_more_often_than_the_place_beside_it(every, monkeypatch):
+    """As of a barometer beside a slow receiver: its place would be taken for one that is stuck."""
+    told = {}
+
+    def change(seen):
+        if seen.stamp >= told.get("next", 0.0):
+            told["next"] = seen.stamp + every
+            told["fix"] = seen.position[:2], seen.ground_velocity
+        (east, north), velocity = told["fix"]
+        return {"position": np.array([east, north, seen.position[2]]), "ground_velocity": velocity}
+
+    misread(monkeypatch, change)
+    log = flown_on_orbit("jsbsim", "position_bias=[0.0,0.0,0.0]")
+    assert not log.sensors
+    assert np.abs(log.error[log.time > 40.0, 0]).max() < 2.0
+
+
 @pytest.mark.parametrize("rise", [lambda z: 3.28 * z, lambda z: z + 60.0], ids=["feet", "offset"])
 def test_a_height_that_is_far_too_great_is_never_followed_to_the_ground(rise, monkeypatch):
     def change(seen):
