@@ -137,7 +137,8 @@ class AirEstimate:
 
     def trust_compass(self) -> None:
         """Take it as it is: an autopilot that finds its heading after take-off makes it jump."""
-        self._known.compass.snapped[:] = 0.0
+        compass = self._known.compass
+        compass.snapped[:] = compass.astray[:] = compass.drifted[:] = 0.0
 
     def _forget(self, *names: str) -> None:
         for name in names:
