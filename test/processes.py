@@ -26,7 +26,8 @@ from pathlib import Path
 
 INTERRUPT, TERMINATE, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
 DOMAIN = os.environ["DOMAIN_OF_PROCESSES"]  # this worker's: test/conftest.py
-PATIENCE = 300.0  # s; for what is broken, not a measure of what works; twice, it fails in words
+# s; for what is broken, not a measure of what works. Two waits end before a test counts as hung.
+PATIENCE = 300.0
 
 
 def wait_for(condition, limit=PATIENCE):

@@ -101,10 +101,10 @@ AIR_CHECK = Layout(
 # rad/s: a heading jumps if it differs from that of the gyros by more than NOSE_JUMP, plus SNAP_RATE
 # times the time since the last one, plus NOISE_MULTIPLE standard deviations of its noise.
 SNAP_RATE = 0.3
-# s: memory of the gyros' bias; and while nobody else judges the compass, whose drift would be taken
-# for one before it has strayed by DRIFTED [rad], which is more than 9 deg of iron make of it
+# s: memory of the gyros' bias, usually and while nobody else judges the compass: its drift must not
+# be taken for a bias before it is found
 GYRO_TIME, ALONE_TIME = 120.0, 600.0
-DRIFTED = 0.35
+DRIFTED = 0.35  # rad, of straying within GYRO_TIME; a compass with 9 deg of iron strays by less
 COMPASS_CHECK = Layout(nose=1, snapped=1, rate=1, known_for=1, astray=1, drifted=1)
 
 
@@ -403,16 +403,16 @@ def compass_checked(
     jump = alone * jumps * strayed
     # Gyros that drift so quickly are rarer: once it has drifted, they alone tell the heading.
     drifted, lately = known.drifted, ca.exp(-elapsed / GYRO_TIME)
-    counts = most < NOSE_JUMP  # what is seldom measured may have turned otherwise in between
-    astray = ca.logic_not(drifted) * (lately * known.astray + counts * (strayed - jump))
+    often = most < NOSE_JUMP  # what is seldom measured may have turned otherwise in between
+    astray = ca.logic_not(drifted) * (lately * known.astray + often * (strayed - jump))
     begins = alone * (known_for >= GYRO_TIME) * (ca.fabs(astray) > DRIFTED)
     jump += alone * ca.if_else(drifted, ca.logic_not(jumps) * unusual, begins * astray)
-    learnt = change - begins * astray / ca.fmax(known_for, GYRO_TIME)
+    change -= begins * astray / ca.fmax(known_for, GYRO_TIME)  # what of the drift is in the bias
     snapped = alone * ca.remainder(known.snapped + jump, math.tau)
     after = SimpleNamespace(
         nose=nose,
         snapped=snapped,
-        rate=known.rate + ca.logic_not(drifted) * learnt,
+        rate=known.rate + ca.logic_not(drifted) * change,
         known_for=known_for,
         astray=astray,
         drifted=alone * ca.logic_or(drifted, begins),
